@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <iostream>
 
+#include "ambf/adf.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/text.h"
@@ -14,6 +15,7 @@
 #include "cli/progress_display.h"
 #include "export_dicom.h"
 #include "export_parts.h"
+#include "export_scene.h"
 #include "head/head_landmarks.h"
 #include "meshio/export_format.h"
 #include "meshio/markups.h"
@@ -36,6 +38,7 @@ std::vector<std::string> format_choices() {
   for (const meshio::ExportFormat& f : meshio::format_types()) names.emplace_back(f.name);
   for (const meshio::LabelFormat& f : meshio::all_label_formats()) names.emplace_back(f.name);
   names.emplace_back(markups_format);
+  for (const std::string& name : scene_format_names()) names.push_back(name);
   for (const std::string& name : dicom_format_names()) names.push_back(name);
   return names;
 }
@@ -64,6 +67,7 @@ struct Formats {
   std::vector<const meshio::ExportFormat*> surfaces;
   std::vector<const meshio::LabelFormat*> labels;
   bool markups = false;
+  SceneFormats scenes;
   DicomFormats dicom;
 };
 
@@ -79,7 +83,7 @@ Formats formats_of(const cli::ParsedCommand& parsed) {
     const auto labels = std::find_if(all_labels.begin(), all_labels.end(),
                                      [&](const meshio::LabelFormat& f) { return name == f.name; });
     const meshio::ExportFormat* surface = meshio::find_export_format(name);
-    if (formats.dicom.take(name)) continue;
+    if (formats.dicom.take(name) || formats.scenes.take(name)) continue;
     if (name == markups_format)
       formats.markups = true;
     else if (labels != all_labels.end())
@@ -198,8 +202,9 @@ void check_combination(const cli::ParsedCommand& parsed, const Formats& formats)
     export_usage("--labels", "and --format " + with_commas(names) + " belong together");
   }
   check_dicom(parsed, formats.dicom);
-  if (formats.markups && (!parsed.has("input") || !fs::is_directory(parsed.path("input"))))
-    export_usage("INPUT", std::string("must be a case's folder for ") + markups_format);
+  if ((formats.markups || formats.scenes.any()) && (!parsed.has("input") || !fs::is_directory(parsed.path("input"))))
+    export_usage("INPUT", std::string("must be a case's folder for ") + markups_format + " and " +
+                              with_commas(scene_format_names()));
   if (!formats.surfaces.empty() && !parsed.has("input"))
     export_usage("INPUT", "is needed for surfaces: a case or a file");
   if (params.together)
@@ -253,6 +258,8 @@ std::string run_export(const cli::ParsedCommand& parsed, Report& report, const P
     labels = printed(made);
     map = std::move(made.value);
   }
+  const SceneExport scenes = export_scenes(parsed, formats.scenes, params.name, report, progress.part(0.8, 0.95));
+  if (!scenes.table.empty()) text += "scene                               MB   holds\n" + scenes.table;
   DicomExport dicom;
   if (formats.dicom.any()) {
     dicom = export_dicom(parsed, formats.dicom, params.name, report, progress.part(0.8, 0.95));
@@ -260,6 +267,7 @@ std::string run_export(const cli::ParsedCommand& parsed, Report& report, const P
   }
   make_output_folder(out);
   write_dicom(out, dicom);
+  write_scenes(out, scenes);
   meshio::write_export(out, exported.files);
   meshio::write_export(out, markups);
   for (const meshio::LabelFormat* f : formats.labels)
@@ -291,7 +299,7 @@ std::string formats_text() {
          "\n\nFormat mrk.json is markups for 3D Slicer, of a case: its landmarks (landmarks.mrk.json, which `run "
          "--landmarks` reads back), its targets (targets.mrk.json), and the axis of each burr hole as a line "
          "(trajectory-NAME.mrk.json).\n\n" +
-         dicom_formats_help;
+         scene_formats_help + "\n\n" + dicom_formats_help;
 }
 
 }  // namespace
@@ -309,6 +317,8 @@ const cli::OwnCommand export_command([] {
                 "trephine export library/head-01 --format x3d --together --out exported",
                 "trephine export skull.vtp --format stl --out exported",
                 "trephine export library/head-01 --format mrk.json --out exported",
+                "trephine export library/head-01 --format slicer-mrb --out exported",
+                "trephine export library/head-01 --format ambf --out volumetric_drilling/ADF",
                 "trephine export library/head-01 --format dicom-seg,dicom-rtss --series scan --out exported",
                 "trephine export --format seg.nrrd --labels skin=skin.nrrd,skull=skull.nrrd --out exported"};
   const auto argument = [](const char* name, cli::Argument::Kind kind, const std::string& help) {
@@ -340,7 +350,8 @@ const cli::OwnCommand export_command([] {
                "the case was made of; another one is refused (65).");
   c.arguments = {input, format, out, anatomy, texture, labels, series, report_argument()};
   c.groups = {cli::ParameterGroup::of<ExportParams>("Parameters"),
-              cli::ParameterGroup::of<meshio::MarkupsParams>("Markups"), cli::ParameterGroup::of<DicomParams>("DICOM")};
+              cli::ParameterGroup::of<meshio::MarkupsParams>("Markups"),
+              cli::ParameterGroup::of<ambf::AdfParams>("AMBF"), cli::ParameterGroup::of<DicomParams>("DICOM")};
   c.run = [](const cli::ParsedCommand& parsed) {
     Report report;
     std::string text;

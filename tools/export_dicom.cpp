@@ -3,18 +3,16 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <list>
 
 #include "base/error.h"
 #include "base/write_file.h"
 #include "cases/load_case.h"
 #include "export_parts.h"
-#include "meshing/contour.h"
+#include "export_shapes.h"
 #include "meshio/export_format.h"
 #include "pacs/object.h"
 #include "pacs/original_slices.h"
 #include "pacs/removed_face.h"
-#include "voxel/shape_field.h"
 
 namespace trephine::tools {
 namespace {
@@ -26,43 +24,6 @@ std::string image_name(std::size_t slice) {
   std::snprintf(name, sizeof name, "ct_%04zu.dcm", slice + 1);
   return name;
 }
-
-// The anatomies that are wanted, with their surfaces: displayed ones, and those that the haptic volume displays.
-struct Shown {
-  std::string name;
-  std::array<double, 3> colour_rgb;
-  const surface::TriMesh* mesh = nullptr;
-  bool is_felt = false;  ///< its surface is the haptic volume's
-};
-
-class CaseShapes {
- public:
-  CaseShapes(const cases::LoadedCase& loaded, const std::vector<std::string>& wanted, const Progress& progress) {
-    const cases::CaseManifest& m = loaded.manifest;
-    std::vector<std::string> known;
-    for (const cases::CaseAnatomy& a : m.anatomies) known.push_back(a.name);
-    for (const std::string& name : wanted)
-      if (!m.find_anatomy(name)) unknown_name("--anatomy", name, known);
-    for (const cases::CaseAnatomy& a : m.anatomies) {
-      progress.check();
-      if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), a.name) == wanted.end()) continue;
-      if (!a.file.empty()) {
-        shown_.push_back({a.name, a.colour_rgb, loaded.find_surface(a.name), false});
-        continue;
-      }
-      const voxel::HapticShape* shape = loaded.has_haptic() ? loaded.haptic.find_shape(a.name) : nullptr;
-      if (!shape) continue;
-      felt_.push_back(
-          meshing::contour_to_look_at(voxel::shape_field(loaded.haptic, shape->number, progress), progress));
-      shown_.push_back({a.name, a.colour_rgb, &felt_.back(), true});
-    }
-  }
-  const std::vector<Shown>& all() const { return shown_; }
-
- private:
-  std::vector<Shown> shown_;
-  std::list<surface::TriMesh> felt_;
-};
 
 // The parameters by which the case chose its series.
 dicom::ImportParams import_of(const cases::CaseManifest& manifest) {
@@ -84,11 +45,11 @@ void add_object(DicomExport& made, const std::string& name, std::string bytes, c
   made.objects.push_back({name, std::move(bytes)});
 }
 
-void add_stl(DicomExport& made, const pacs::CaseIdentity& identity, const std::vector<Shown>& shown, Report& report,
-             const Progress& progress) {
+void add_stl(DicomExport& made, const pacs::CaseIdentity& identity, const std::vector<ShownShape>& shown,
+             Report& report, const Progress& progress) {
   const meshio::ExportFormat& stl = meshio::export_format("stl");
   std::size_t done = 0;
-  for (const Shown& s : shown) {
+  for (const ShownShape& s : shown) {
     const Progress here = progress.part(double(done) / double(shown.size()), double(done + 1) / double(shown.size()));
     ++done;
     if (s.is_felt) {
@@ -105,10 +66,10 @@ void add_stl(DicomExport& made, const pacs::CaseIdentity& identity, const std::v
 }
 
 void add_segmentation(DicomExport& made, const std::string& stem, const pacs::CaseIdentity& identity,
-                      const pacs::SliceSet& slices, const std::vector<Shown>& shown, Report& report,
+                      const pacs::SliceSet& slices, const std::vector<ShownShape>& shown, Report& report,
                       const Progress& progress) {
   std::vector<pacs::Segment> segments;
-  for (const Shown& s : shown) {
+  for (const ShownShape& s : shown) {
     pacs::Segment segment{s.name, s.colour_rgb, pacs::bits_inside(*s.mesh, slices, progress)};
     std::size_t pixels = 0;
     for (const std::string& frame : segment.bits)
@@ -125,9 +86,9 @@ void add_segmentation(DicomExport& made, const std::string& stem, const pacs::Ca
 }
 
 void add_structure_set(DicomExport& made, const std::string& stem, const pacs::CaseIdentity& identity,
-                       const pacs::SliceSet& slices, const std::vector<Shown>& shown, const Progress& progress) {
+                       const pacs::SliceSet& slices, const std::vector<ShownShape>& shown, const Progress& progress) {
   std::vector<pacs::ContouredSurface> surfaces;
-  for (const Shown& s : shown) surfaces.push_back({s.name, s.colour_rgb, s.mesh});
+  for (const ShownShape& s : shown) surfaces.push_back({s.name, s.colour_rgb, s.mesh});
   add_object(made, stem + ".rtss.dcm", pacs::encode_structure_set(identity, slices, surfaces, progress).bytes,
              std::to_string(surfaces.size()) + " contoured surfaces");
 }

@@ -33,7 +33,11 @@ struct PngRows::Writer {
       : row_bytes(std::size_t(width) * std::size_t(channels)), rows_left(height) {
     add_chunk(out, "IHDR",
               big_endian(std::uint32_t(width)) + big_endian(std::uint32_t(height)) +
-                  std::string{'\x08', channels == 3 ? '\x02' : '\x00', '\0', '\0', '\0'});
+                  std::string{'\x08',
+                              channels == 4   ? '\x06'
+                              : channels == 3 ? '\x02'
+                                              : '\x00',
+                              '\0', '\0', '\0'});
     add_chunk(out, "sRGB", std::string(1, '\0'));
     // Level 3: a fifth larger; a case spent more time here than on its files.
     if (deflateInit2(&z, 3, Z_DEFLATED, window_bits(), 8, Z_DEFAULT_STRATEGY) != Z_OK) refuse_to_encode();
@@ -69,7 +73,7 @@ struct PngRows::Writer {
 };
 
 PngRows::PngRows(int width, int height, int channels) {
-  if (width < 1 || height < 1 || (channels != 1 && channels != 3)) refuse_to_encode();
+  if (width < 1 || height < 1 || (channels != 1 && channels != 3 && channels != 4)) refuse_to_encode();
   writer_ = std::make_unique<Writer>(width, height, channels);
 }
 

@@ -11,8 +11,8 @@ namespace trephine {
 /// top, a few rows at a time, and never held whole. The same bytes for the same pixels.
 class PngRows {
  public:
-  /// `channels`: 3 (red, green, blue) or 1 (grey). Throws Error 70, as add and take do, where the picture cannot be
-  /// encoded.
+  /// `channels`: 4 (red, green, blue, alpha), 3 or 1 (grey). Throws Error 70, as add and take do, where the picture
+  /// cannot be encoded.
   PngRows(int width, int height, int channels);
   ~PngRows();
   /// The next rows, row by row from the top, `channels` bytes a pixel.

@@ -145,7 +145,8 @@ struct Program {
 /// argument `config`, because their parameters can only be wrong on the command line; 64 for a wrong command line, all
 /// of whose faults are named at once; 130 where the user cancelled; 74 where stdout could not be written; 70 for an
 /// unexpected exception. It adds `help [COMMAND]`, the command `completion bash` and the hidden commands `reference
-/// --out DIR` (writes reference_pages) and `man --out DIR` (writes man_pages). `declare` is called within this
+/// --out DIR` (writes reference_pages) and `man --out DIR` (writes man_pages), and `slicer-module COMMAND` before any
+/// command's words (cli/slicer_module.h). `declare` is called within this
 /// function, so that an exception from it, such as lack of memory, ends the program as one from a command does.
 int run_program(const char* name, const std::function<Program()>& declare, int argc, char** argv);
 

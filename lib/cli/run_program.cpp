@@ -20,6 +20,7 @@
 #include "cli/declarations.h"
 #include "cli/job_status.h"
 #include "cli/plain_output.h"
+#include "cli/slicer_module.h"
 
 namespace trephine::cli {
 namespace {
@@ -146,9 +147,18 @@ ExitCode run(const Program& program, const std::vector<std::string>& words, std:
     std::cout << help_of(program, {words[0]}, taken);
     return ExitCode::ok;
   }
-  const Command& command = find_command(program, words, taken);
+  const bool as_module = words[0] == "slicer-module" && words.size() > 1;
+  const std::vector<std::string> named(words.begin() + (as_module ? 1 : 0), words.end());
+  const Command& command = find_command(program, named, taken);
   who += " " + command.name;
-  const std::vector<std::string> own(words.begin() + static_cast<std::ptrdiff_t>(taken), words.end());
+  std::vector<std::string> own(named.begin() + static_cast<std::ptrdiff_t>(taken), named.end());
+  if (as_module) {
+    if (own == std::vector<std::string>{"--xml"}) {
+      std::cout << slicer_module_xml(program, command);
+      return ExitCode::ok;
+    }
+    own = words_of_slicer(command, own);
+  }
   for (const std::string& word : own) {
     if (word == "--") break;
     if (word != "--help" && word != "-h") continue;

@@ -284,6 +284,15 @@ LayeredNrrd decode_layered_nrrd(std::string_view bytes) {
   return out;
 }
 
+std::string encode_layered_nrrd(const LayeredNrrd& layered) {
+  const Mask* samples = std::get_if<Mask>(&layered.samples);
+  if (!samples || layered.layers < 1 || samples->voxels.size() != layered.lattice.count() * std::size_t(layered.layers))
+    throw Error(ExitCode::internal, "", "sizes", "do not agree with the layers of labels");
+  const std::string_view bytes(reinterpret_cast<const char*>(samples->voxels.data()), samples->voxels.size());
+  return detail::nrrd_header_text(layered.lattice, NrrdType::uint8, NrrdEncoding::gzip, layered.keys, layered.layers) +
+         detail::gzip_compress(bytes);
+}
+
 HuVolume to_hu(AnyGrid grid) {
   if (auto* g = std::get_if<Grid<std::int16_t>>(&grid)) return std::move(*g);
   if (auto* g = std::get_if<Grid<float>>(&grid)) return std::move(*g);

@@ -55,6 +55,9 @@ struct LayeredNrrd {
   NrrdKeys keys;
 };
 LayeredNrrd decode_layered_nrrd(std::string_view bytes);
+/// The bytes (gzip) that decode_layered_nrrd reads back, of samples of uint8; with one layer those of encode_nrrd.
+/// Throws Error 70 for other samples.
+std::string encode_layered_nrrd(const LayeredNrrd& layered);
 
 /// Voxels for a caller that needs HU, or a field; a mask (uint8) becomes a field of -0.5 and 0.5; or a mask or labels
 /// (65 where a voxel is no whole number from 0 to 255).

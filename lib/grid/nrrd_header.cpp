@@ -185,7 +185,9 @@ std::size_t bytes_of(NrrdType type) {
   return 0;
 }
 
-std::string nrrd_header_text(const Lattice& lattice, NrrdType type, NrrdEncoding encoding, const NrrdKeys& keys) {
+std::string nrrd_header_text(const Lattice& lattice, NrrdType type, NrrdEncoding encoding, const NrrdKeys& keys,
+                             int layers) {
+  const bool layered = layers > 1;
   const auto steps = steps_of(lattice);
   std::string out = "NRRD0004\n";
   out += std::string("type: ") +
@@ -193,11 +195,14 @@ std::string nrrd_header_text(const Lattice& lattice, NrrdType type, NrrdEncoding
           : type == NrrdType::int16 ? "short"
                                     : "float") +
          "\n";
-  out += "dimension: 3\nspace: left-posterior-superior\nsizes:";
+  out += layered ? "dimension: 4\n" : "dimension: 3\n";
+  out += "space: left-posterior-superior\nsizes:";
+  if (layered) out += " " + std::to_string(layers);
   for (const int n : lattice.size) out += " " + std::to_string(n);
-  out += "\nspace directions:";
+  out += layered ? "\nspace directions: none" : "\nspace directions:";
   for (const Vec3 v : steps) out += " " + text_of(v);
-  out += "\nkinds: domain domain domain\nendian: little\nencoding: ";
+  out += layered ? "\nkinds: list domain domain domain" : "\nkinds: domain domain domain";
+  out += "\nendian: little\nencoding: ";
   out += encoding == NrrdEncoding::gzip ? "gzip" : "raw";
   out += "\nspace origin: " + text_of(lattice.origin_mm) + "\n";
 

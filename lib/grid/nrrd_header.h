@@ -22,8 +22,10 @@ struct NrrdHeader {
   std::vector<std::string> unknown;  ///< fields that the format does not know, as they may be told
 };
 
-/// The header with its closing empty line. `type` is int16, uint8 or float32.
-std::string nrrd_header_text(const Lattice& lattice, NrrdType type, NrrdEncoding encoding, const NrrdKeys& keys);
+/// The header with its closing empty line. `type` is int16, uint8 or float32. Several layers are a list axis before the
+/// three of space.
+std::string nrrd_header_text(const Lattice& lattice, NrrdType type, NrrdEncoding encoding, const NrrdKeys& keys,
+                             int layers = 1);
 
 /// Parses the text before the empty line; with `layered` a list axis may come before the three of space, as in
 /// .seg.nrrd. Throws Error 65 naming the field, without a file.

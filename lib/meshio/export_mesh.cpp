@@ -53,6 +53,7 @@ void check_rounded(const PreparedSurface& s, const ExportFormat& format, const P
   for (const Vec3 p : written.points_mm)
     if (!is_finite(p))
       throw refusal("", "a point is beyond what float32 can hold", {"choose a `format` of 64 bits, such as vtp"});
+  if (s.source->to_look_at) return;
   const meshing::Validity v = meshing::check_validity(written, progress);
   if (v.valid()) return;
   const auto exact = [](const ExportFormat& f) { return f.precision == Precision::float64_world; };

@@ -24,6 +24,7 @@ struct ExportSurface {
   /// them. In ply, vtp, vtk and wrl, which take one texture point a vertex, vertices at the seam and the poles are
   /// doubled, so that the copy is no longer closed by its indices; in obj and x3d it is.
   bool texture_coordinates = false;
+  bool to_look_at = false;  ///< as meshing::contour_to_look_at makes it: not looked through for self-intersections
 };
 
 struct ExportFile {

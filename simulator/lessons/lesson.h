@@ -26,6 +26,8 @@ struct LessonFacts {
   double max_bone_c = 0, heat_dose_min = 0;  ///< BoneHeat, where the one who watches cuts again; else 0
   /// What a CT after a procedure shows is all that is known: no times, forces, traces or passes.
   bool from_scan = false;
+  /// It is no CT but the volume as it was drilled in another program, which shows what was removed and nothing else.
+  bool from_volume = false;
   lesson::Sighting seen = lesson::Sighting::none;  ///< then: of the instrument that was put in
   LessonEnd end = LessonEnd::running;              ///< running: the recording ends before the lesson did
   double most_force_n = 0;

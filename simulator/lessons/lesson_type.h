@@ -129,6 +129,9 @@ struct LessonType {
   /// What a CT after a procedure shows as this lesson's facts, so that score() judges it; empty: no CT shows enough.
   std::function<std::shared_ptr<LessonFacts>(const lesson::OutcomeRecord&, const cases::LoadedCase&)> facts_of_outcome;
 
+  /// The same of the volume as it was drilled in another program; empty: it does not show enough.
+  std::function<std::shared_ptr<LessonFacts>(const cases::LoadedCase&, const voxel::HapticVolume& now)> facts_of_volume;
+
   /// For a window: the steps in their order (empty: a step for each tool, and the end), what it says meanwhile, and
   /// what a marker drew and nobody erased. Each may be empty.
   std::vector<LessonText> texts;

@@ -61,6 +61,9 @@ constexpr Wording participant_words{{"participant {} · {} · {:.1f} s · {} · 
 constexpr Wording measured_words{
     {"participant {} · measured on a CT after the procedure, in the anatomy of the case · {} · not for clinical use",
      "Teilnehmer {} · gemessen auf einem CT nach dem Eingriff, in der Anatomie davor · {} · nicht für die Klinik"}};
+constexpr Wording drilled_words{
+    {"participant {} · measured on the volume as another program drilled it · {} · not for clinical use",
+     "Teilnehmer {} · gemessen am Volumen, wie ein anderes Programm es bohrte · {} · nicht für die Klinik"}};
 constexpr Wording task_words{{"Task: ", "Aufgabe: "}};
 constexpr Wording trusted_words{
     {"Trusted: the recording was not replayed.", "Geglaubt: die Aufnahme wurde nicht nachgespielt."}};
@@ -213,7 +216,8 @@ std::string report_page(const ReportHead& head, const LessonFacts& facts, const 
                               sum.points, sum.most, words(name_of(score.outcome())));
   const std::string who = escaped(head.participant), headline = words(module.headline(facts, score));
   out += "</h1>\n<p class=\"faint\">";
-  out += facts.from_scan ? fmt::format(fmt::runtime(say(measured_words)), who, headline)
+  const Wording& measured = facts.from_volume ? drilled_words : measured_words;
+  out += facts.from_scan ? fmt::format(fmt::runtime(say(measured)), who, headline)
                          : fmt::format(fmt::runtime(say(participant_words)), who, words(name_of(facts.end)),
                                        facts.procedure_s(), headline);
   out += fmt::format("</p>\n<p class=\"{}\"><b>{}</b>{}</p>\n",

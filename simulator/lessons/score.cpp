@@ -23,6 +23,10 @@ const ScoreRow* LessonScore::row(const std::string& name) const {
   return nullptr;
 }
 
+const char* not_shown(const LessonFacts& facts) {
+  return facts.from_volume ? "a drilled volume does not show it" : "a CT does not show it";
+}
+
 texts::Phrase unsaved_by(const texts::Phrase& missed, bool harmed) {
   return !missed.empty() ? missed : harmed ? "a critical error happened" : "";
 }

@@ -51,8 +51,8 @@ void lower(ScoreRow& row, int score, const texts::Phrase& why, std::optional<dou
 /// The same by how fast a tool went into the patient, with the figure and its limits; nothing without limits.
 void lower_by_speed(ScoreRow& row, const LessonFacts& facts, const std::optional<lesson::FourLimits>& mm_per_s);
 
-/// Why a row is not judged that was measured on a CT after a procedure.
-constexpr const char* not_in_a_scan = "a CT does not show it";
+/// Why a row is not judged that was measured on a CT after a procedure, or on a volume that another program drilled.
+const char* not_shown(const LessonFacts& facts);
 /// Why a row is not judged: what the case does not know well enough.
 texts::Phrase doubtful(const texts::Phrase& what);
 

@@ -53,6 +53,7 @@ Json json_of(const LessonType& module, const LessonFacts& f) {
               {"fastest_mm_per_s", f.fastest_mm_per_s},
               {"fastest_s", f.fastest_s}};
   out["from_scan"] = f.from_scan;
+  if (f.from_volume) out["from_volume"] = true;
   if (f.from_scan)  // nothing of these was seen
     for (const char* name : {"begin_s", "end_s", "procedure_s", "paused_s", "pauses", "undone", "max_bone_c",
                              "heat_dose_min", "most_force_n", "fastest_mm_per_s", "fastest_s"})
@@ -69,6 +70,8 @@ constexpr texts::Wording at_words{{", at {:.1f} s", ", bei {:.1f} s"}}, critical
     trusted_words{{"TRUSTED: the recording was not replayed", "GEGLAUBT: die Aufnahme wurde nicht nachgespielt"}},
     measured_words{{"MEASURED on a CT after the procedure, in the case's anatomy; not for clinical use",
                     "GEMESSEN auf einem CT nach dem Eingriff, in der Anatomie davor; nicht für die Klinik"}},
+    drilled_words{{"MEASURED on the volume as another program drilled it; not for clinical use",
+                   "GEMESSEN am Volumen, wie ein anderes Programm es bohrte; nicht für die Klinik"}},
     unsealed_words{{"NOT SEALED: made into a pipe or by an older program",
                     "OHNE SIEGEL: in eine Pipe oder von einem älteren Programm gemacht"}},
     broken_words{{"BROKEN SEAL: the recording was changed after it was written",
@@ -173,7 +176,7 @@ std::string score_text(const ReportHead& head, const LessonFacts& facts, const L
   if (facts.max_bone_c > 0)
     text += fmt::format(fmt::runtime(say(heat_words)), facts.max_bone_c, facts.heat_dose_min) + "\n";
   if (facts.undone > 0) text += fmt::format(fmt::runtime(say(undone_words)), facts.undone) + "\n";
-  if (head.measured) text += std::string(say(measured_words)) + "\n";
+  if (head.measured) text += std::string(say(facts.from_volume ? drilled_words : measured_words)) + "\n";
   if (!head.measured && !head.replayed) text += std::string(say(trusted_words)) + "\n";
   if (!head.measured && head.seal == haptics::Seal::absent) text += std::string(say(unsealed_words)) + "\n";
   if (head.seal == haptics::Seal::broken) text += std::string(say(broken_words)) + "\n";

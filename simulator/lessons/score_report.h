@@ -21,7 +21,7 @@ struct ReportHead {
   std::vector<std::pair<std::string, double>> motion = {};  ///< motion_figures()
   std::vector<ExpertBand> experts = {};                     ///< beside which they are shown; none: by themselves
   texts::Language language = texts::Language::english;      ///< of page and table; the JSON is for programs
-  bool measured = false;  ///< on a CT after a procedure (LessonFacts::from_scan): there is no recording
+  bool measured = false;                                    ///< LessonFacts::from_scan: there is no recording
   const char* checked() const { return measured ? "measured" : replayed ? "replayed" : "trusted"; }
 };
 

@@ -4,7 +4,7 @@
 namespace trephine::lessons {
 
 ScoreRow time_row(const LessonFacts& facts, const lesson::TimeRubric& r, const texts::Phrase& unfinished) {
-  if (facts.from_scan) return {"time", "Time to complete procedure", {}, not_in_a_scan, {}, {}, {}};
+  if (facts.from_scan) return {"time", "Time to complete procedure", {}, not_shown(facts), {}, {}, {}};
   const double time = facts.procedure_s();
   ScoreRow row{"time", "Time to complete procedure", 1, "", {{"procedure_s", time}}, {}, facts.end_s};
   if (facts.paused_s > 0) row.measured.emplace_back("paused_s", facts.paused_s);

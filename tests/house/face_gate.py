@@ -10,7 +10,7 @@ import re
 import sys
 
 PUBLISHES = re.compile(r"\b(?:write_case_file|publish_case|make_case_pictures|make_side_pictures|make_findings_picture|make_removed_picture|make_case_page|"
-                       r"make_page_files|draw_preview|pacs::encode_\w+)\s*\(|"
+                       r"make_page_files|draw_preview|(?:pacs|slicer|ambf)::encode_\w+)\s*\(|"
                        r"\bget(?:_if)?<\s*std::shared_ptr<const (?:grid::HuVolume|surface::TriMesh|voxel::HapticVolume)>")
 ASKS = re.compile(r"\b(?:require_no_face|shows_no_skin|require_made_without_face)\s*\(")
 DECLARES = re.compile(r"^\S.*\b(?:write_case_file|publish_case|make_\w+|draw_preview)\((?:const\b.*)?$")
@@ -26,6 +26,7 @@ KNOWN = {
     "lib/desk/open_case.cpp": ("shows the technician the scan, by the desk's own secret", ""),
     "tools/boolean.cpp": ("cuts files that its user names", ""),
     "tools/export_dicom.cpp": ("makes objects of a case that a run published: its surfaces and its CT, and of the scan the slices' place alone", ""),
+    "tools/export_scene.cpp": ("makes scenes of a case that a run published: its surfaces, its haptic volume and its CT", ""),
     "tools/page.cpp": ("makes the page of a case that a run published", ""),
     "tools/pictures.cpp": ("draws surfaces of a case that a run published", ""),
     "tools/preview.cpp": ("draws files that its user names", ""),
@@ -44,7 +45,7 @@ def publishes(text):
 def main():
     root = pathlib.Path(sys.argv[1])
     if "--selftest" in sys.argv:
-        for bad in ("  cases::publish_case(folder, m);", "  pacs::encode_ct(identity, ct, slices, take);", "  pictures = make_case_pictures(volume, shown, {});",
+        for bad in ("  cases::publish_case(folder, m);", "  pacs::encode_ct(identity, ct, slices, take);", "  made = slicer::encode_scene(scene);", "  pictures = make_case_pictures(volume, shown, {});",
                     "  auto v = std::get<std::shared_ptr<const grid::HuVolume>>(at(scan).data);",
                     "  if (const auto* m = std::get_if<std::shared_ptr<const surface::TriMesh>>(&made.data))"):
             assert list(publishes(bad)), bad

@@ -26,7 +26,7 @@ owners=(
   'CLI/|cli'
   'tiny_gltf|cases'
   'assimp/|meshio'
-  'png\.h|picture'
+  'png\.h|picture ambf'
   'meshoptimizer|simulator'
   'boost/beast|desk'
 )

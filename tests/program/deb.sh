@@ -41,6 +41,7 @@ for page in trephine/{run.md,configuration.schema.json} trephine-sim/play.md; do
 done
 ! awk '!/\/$/ { print $6 }' "$work/list" | grep -vxE -e '\./usr/bin/trephine(-sim|-itk)?' \
   -e '\./usr/lib/trephine/(mesh_formats|dicom_codecs|force_dimension|open_haptics)\.so' \
+  -e '\./usr/lib/trephine/slicer-modules/Trephine(Run|Export|Measure)' \
   -e '\./usr/share/trephine/(trephine\.root|(pipelines|configs|configs/scenes|configs/trade|configs/rubrics|examples/lessons)/[a-z_]+\.(yaml|json)|configs/same_place\.tfm|sample_dicom/slice_[0-9]{4}\.dcm)' \
   -e '\./usr/share/trephine/pipelines/Snakefile' \
   -e '\./usr/share/doc/trephine/docs/reference/trephine(-sim)?/[a-z0-9_.-]+\.(md|json)' \
@@ -49,7 +50,7 @@ done
   -e '\./usr/share/bash-completion/completions/trephine(-sim)?' || fail "these do not belong there"
 ! dpkg-deb -c "$dev" | awk '!/\/$/ { print $6 }' | grep -vxE -e '\./usr/include/trephine/[a-z]+/[a-z_0-9]+\.h' \
   -e '\./usr/lib/([a-z0-9_-]+/)?(libtrephine_[a-z]+\.a|cmake/TrephineCase/TrephineCase[A-Za-z-]+\.cmake)' \
-  -e '\./usr/share/doc/trephine-dev/(copyright|changelog\.gz|examples/(case_reader|contact|dicom_overlay|python_reader|udp_client)/[A-Za-z._]+)' || fail "these do not belong there"
+  -e '\./usr/share/doc/trephine-dev/(copyright|changelog\.gz|examples/(ambf_stack|case_reader|contact|dicom_overlay|python_reader|slicer_scene|udp_client)/[A-Za-z._]+)' || fail "these do not belong there"
 
 # The Python package, from an empty folder, by the Python that it is for.
 if ((${#packages[@]} > 2)); then

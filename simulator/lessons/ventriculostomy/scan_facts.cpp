@@ -88,4 +88,23 @@ std::shared_ptr<LessonFacts> facts_of_scan(const lesson::OutcomeRecord& record, 
   return facts;
 }
 
+std::shared_ptr<LessonFacts> facts_of_drilled(const cases::LoadedCase& loaded, const voxel::HapticVolume& now) {
+  auto facts = std::make_shared<VentriculostomyFacts>();
+  facts->from_scan = facts->from_volume = true;
+  facts->end = LessonEnd::finished;
+  facts->drilled_beforehand = !loaded.manifest.burr_holes.empty();
+  const Vec3 centre = head_frame_of(loaded.manifest).centre_mm;
+  HoleSearch search;
+  search.bone = head_shapes_of(loaded.manifest).bone;
+  // Their middles first, which say along which line each was drilled.
+  for (const BoneHole& hole : find_drilled_holes(loaded.haptic, now, search)) {
+    const Vec3 middle = (hole.outer_mm + hole.inner_mm) / 2;
+    search.sites.push_back({middle, middle - centre});
+  }
+  for (const BoneHole& hole : find_drilled_holes(loaded.haptic, now, search))
+    if (hole.removed_mm3 >= scratch_mm3) facts->holes.push_back(hole);
+  if (!facts->holes.empty()) facts->hole = facts->holes.front();
+  return facts;
+}
+
 }  // namespace trephine::lessons

@@ -15,6 +15,7 @@ const char* no_catheter = "no catheter lies in the brain";
 // Why a row of the catheter cannot be judged by a CT; empty where it can.
 texts::Phrase unseen(const Scoring& s) {
   if (!s.facts.from_scan || !s.facts.passes.empty()) return "";
+  if (s.facts.from_volume) return not_shown(s.facts);
   return s.facts.seen == lesson::Sighting::doubtful ? "what the CT shows of a catheter is doubtful"
                                                     : "the CT shows no catheter";
 }
@@ -266,7 +267,7 @@ ScoreRow score_passes(const Scoring& s, bool harmed) {
   row.beside = true;
   if (s.facts.from_scan) {
     row.score.reset();
-    row.why = not_in_a_scan;
+    row.why = not_shown(s.facts);
     return row;
   }
   row.measured = {{"passes_count", double(count)},

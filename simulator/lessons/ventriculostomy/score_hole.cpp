@@ -76,7 +76,8 @@ const BoneHole& worst_hole(const Scoring& s, const cases::CaseLandmark& kocher) 
 }
 
 ScoreRow score_landmarks(const Scoring& s) {
-  ScoreRow row{"landmarks", "Anatomy and landmarks", {}, s.facts.from_scan ? not_in_a_scan : doubt_of(s), {}, {}, {}};
+  ScoreRow row{"landmarks", "Anatomy and landmarks", {}, s.facts.from_scan ? not_shown(s.facts) : doubt_of(s), {}, {},
+               {}};
   if (!row.why.empty()) return row;
   const LandmarksRubric& r = s.rubric.landmarks;
   const BestTrace midline = best_midline(s), suture = best_suture(s);
@@ -117,7 +118,7 @@ ScoreRow score_burr_hole(const Scoring& s) {
     row.why = kocher ? doubtful("Kocher's point") : "the case has no Kocher's point";
     return row;
   }
-  if (s.facts.from_scan && !s.facts.hole) {
+  if (s.facts.from_scan && !s.facts.from_volume && !s.facts.hole) {
     row.why = "the CT shows no hole that is sure";
     return row;
   }

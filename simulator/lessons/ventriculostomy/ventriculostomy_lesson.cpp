@@ -213,6 +213,12 @@ LessonFluid fluid_of(const VentriculostomyFacts& f, const cases::CaseManifest& m
 }
 
 texts::Phrase outcome(const LessonFacts& facts, const LessonScore& score) {
+  if (facts.from_volume) {
+    const std::optional<BoneHole>& hole = own(facts).hole;
+    return !hole           ? "no hole was drilled"
+           : hole->through ? "the hole lets the catheter through"
+                           : "the hole does not let the catheter through";
+  }
   if (facts.from_scan)
     return facts.seen == lesson::Sighting::doubtful ? "what the CT shows of a catheter is doubtful"
            : !score.known("in_ventricle")           ? "the CT shows no catheter"
@@ -320,6 +326,7 @@ LessonType ventriculostomy_lesson() {
   m.facts_json = [](const LessonFacts& facts) { return json_of(own(facts)); };
   m.outcome = outcome;
   m.facts_of_outcome = facts_of_scan;
+  m.facts_of_volume = facts_of_drilled;
   m.headline = [](const LessonFacts& facts, const LessonScore& score) {
     if (facts.from_scan) return outcome(facts, score);
     return texts::Phrase("passes of the catheter: {}", {std::to_string(score.count("passes_count"))});

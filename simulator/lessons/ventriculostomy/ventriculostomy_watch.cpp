@@ -14,7 +14,6 @@ constexpr double lift_s = 0.3, lift_mm = 5;  // a marker that leaves the skin fo
 constexpr double path_step_mm = 0.25;        // of a catheter's way
 constexpr double look_each_s = 0.25;         // while the burr runs
 constexpr double site_mm = 20;               // nearer to where the burr began it is the same hole
-constexpr double scratch_mm3 = 10;           // of bone: less is no hole
 constexpr double withdrawn_mm = 1;           // before the place of entry: nearer to it, in nothing, the tip is out
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }

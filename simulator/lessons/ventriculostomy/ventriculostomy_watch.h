@@ -31,6 +31,7 @@ struct MarkerTrace {
   std::vector<Vec3> points_mm;
 };
 constexpr double trace_step_mm = 0.5;
+constexpr double scratch_mm3 = 10;  ///< of bone: less that was removed is no hole
 
 struct LessonIncision {
   double time_s = 0;

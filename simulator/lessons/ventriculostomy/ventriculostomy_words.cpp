@@ -21,6 +21,8 @@ std::vector<LessonText> ventriculostomy_words() {
       {"was too deep, and drawn back", "war zu tief und wurde zurückgezogen"},
       {"the skin was cut on the wrong side", "die Haut wurde auf der falschen Seite geschnitten"},
       {"a CT does not show it", "ein CT zeigt es nicht"},
+      {"a drilled volume does not show it", "ein gebohrtes Volumen zeigt es nicht"},
+      {"the hole lets the catheter through", "das Loch lässt den Katheter durch"},
       {"the CT shows no hole that is sure", "das CT zeigt kein sicheres Bohrloch"},
       {"the CT shows no catheter", "das CT zeigt keinen Katheter"},
       {"what the CT shows of a catheter is doubtful", "was das CT von einem Katheter zeigt, ist zweifelhaft"},
