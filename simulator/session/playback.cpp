@@ -59,9 +59,17 @@ void IncisionWatch::follow_steps(const haptics::ServoFrame& f, std::uint32_t bef
   }
 }
 
-haptics::ToolParams Playback::tool() const {
+haptics::ToolParams Playback::tool_numbered(std::size_t tool) const {
   const haptics::RecordingHeader& h = recording_.header;
-  return h.tools.empty() ? h.tool : haptics::own_tool(h.tools[tool_in_hand()]);
+  return h.tools.empty() ? h.tool : haptics::own_tool(h.tools[tool]);
+}
+
+haptics::ToolParams Playback::tool() const { return tool_numbered(tool_in_hand()); }
+
+std::vector<Playback::ToolTaken> Playback::tools_taken() const {
+  std::vector<ToolTaken> all;
+  for (const Taken& t : in_hand_) all.push_back({recording_.frames[t.frame].time_s, tool_numbered(t.tool)});
+  return all;
 }
 
 std::string Playback::tool_name() const {
@@ -164,6 +172,15 @@ void Playback::run_through(const std::filesystem::path& file, const Progress& pr
                   {"replay it with the version of the program that recorded it, or record it anew with `servo`"})
         .in_file(file.string());
   shown_steps_ = steps_.size();
+}
+
+std::vector<Playback::VoxelChange> Playback::voxel_changes() const {
+  std::vector<VoxelChange> all;
+  all.reserve(changes_.size());
+  for (const Step& step : steps_)
+    for (std::size_t n = step.first; n < step.last; ++n)
+      all.push_back({step.end_s, changes_[n].at, changes_[n].before, changes_[n].after});
+  return all;
 }
 
 double Playback::begin_s() const { return recording_.frames.front().time_s; }
