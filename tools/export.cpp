@@ -14,6 +14,7 @@
 #include "cli/progress_display.h"
 #include "export_dicom.h"
 #include "export_parts.h"
+#include "export_solids.h"
 #include "head/head_landmarks.h"
 #include "meshio/export_format.h"
 #include "meshio/markups.h"
@@ -37,6 +38,7 @@ std::vector<std::string> format_choices() {
   for (const meshio::LabelFormat& f : meshio::all_label_formats()) names.emplace_back(f.name);
   names.emplace_back(markups_format);
   for (const std::string& name : dicom_format_names()) names.push_back(name);
+  for (const std::string& name : solid_format_names()) names.push_back(name);
   return names;
 }
 
@@ -65,6 +67,7 @@ struct Formats {
   std::vector<const meshio::LabelFormat*> labels;
   bool markups = false;
   DicomFormats dicom;
+  SolidFormats solids;
 };
 
 template <class Format>
@@ -79,7 +82,7 @@ Formats formats_of(const cli::ParsedCommand& parsed) {
     const auto labels = std::find_if(all_labels.begin(), all_labels.end(),
                                      [&](const meshio::LabelFormat& f) { return name == f.name; });
     const meshio::ExportFormat* surface = meshio::find_export_format(name);
-    if (formats.dicom.take(name)) continue;
+    if (formats.dicom.take(name) || formats.solids.take(name)) continue;
     if (name == markups_format)
       formats.markups = true;
     else if (labels != all_labels.end())
@@ -200,7 +203,7 @@ void check_combination(const cli::ParsedCommand& parsed, const Formats& formats)
   check_dicom(parsed, formats.dicom);
   if (formats.markups && (!parsed.has("input") || !fs::is_directory(parsed.path("input"))))
     export_usage("INPUT", std::string("must be a case's folder for ") + markups_format);
-  if (!formats.surfaces.empty() && !parsed.has("input"))
+  if ((!formats.surfaces.empty() || formats.solids.any()) && !parsed.has("input"))
     export_usage("INPUT", "is needed for surfaces: a case or a file");
   if (params.together)
     for (const meshio::ExportFormat* f : formats.surfaces)
@@ -228,7 +231,8 @@ std::string run_export(const cli::ParsedCommand& parsed, Report& report, const P
   const auto& params = parsed.params<ExportParams>();
   const Formats formats = formats_of(parsed);
   check_combination(parsed, formats);
-  const ExportInput input = load_input(parsed, !formats.surfaces.empty(), report, progress.part(0, 0.1));
+  const bool from_file = formats.solids.any() && !fs::is_directory(parsed.path("input"));
+  const ExportInput input = load_input(parsed, !formats.surfaces.empty() || from_file, report, progress.part(0, 0.1));
   if (!formats.surfaces.empty() && input.surfaces.empty())
     throw Error(ExitCode::bad_input, parsed.text("input"), "", "holds no surface");
   std::string stem = params.name;
@@ -258,8 +262,17 @@ std::string run_export(const cli::ParsedCommand& parsed, Report& report, const P
     dicom = export_dicom(parsed, formats.dicom, params.name, report, progress.part(0.8, 0.95));
     text += "object                              MB   holds\n" + dicom.table;
   }
+  SolidExport solids;
+  if (formats.solids.any()) {
+    const std::string own = !params.name.empty() ? params.name
+                            : from_file          ? input.surfaces.at(0).name
+                                                 : input.manifest.case_token;
+    solids = export_solids(parsed, formats.solids, input, own, report, progress.part(0.95, 1));
+    text += solids.table;
+  }
   make_output_folder(out);
   write_dicom(out, dicom);
+  write_solids(out, solids);
   meshio::write_export(out, exported.files);
   meshio::write_export(out, markups);
   for (const meshio::LabelFormat* f : formats.labels)
@@ -291,7 +304,7 @@ std::string formats_text() {
          "\n\nFormat mrk.json is markups for 3D Slicer, of a case: its landmarks (landmarks.mrk.json, which `run "
          "--landmarks` reads back), its targets (targets.mrk.json), and the axis of each burr hole as a line "
          "(trajectory-NAME.mrk.json).\n\n" +
-         dicom_formats_help;
+         dicom_formats_help + "\n\n" + solid_formats_help;
 }
 
 }  // namespace
@@ -310,6 +323,8 @@ const cli::OwnCommand export_command([] {
                 "trephine export skull.vtp --format stl --out exported",
                 "trephine export library/head-01 --format mrk.json --out exported",
                 "trephine export library/head-01 --format dicom-seg,dicom-rtss --series scan --out exported",
+                "trephine export library/head-01 --format tetra-vtu,tetra-msh --size-mm 5 --out exported",
+                "trephine export library/head-01 --format sdf --densities skull=1900 --out exported",
                 "trephine export --format seg.nrrd --labels skin=skin.nrrd,skull=skull.nrrd --out exported"};
   const auto argument = [](const char* name, cli::Argument::Kind kind, const std::string& help) {
     cli::Argument a;
@@ -341,6 +356,7 @@ const cli::OwnCommand export_command([] {
   c.arguments = {input, format, out, anatomy, texture, labels, series, report_argument()};
   c.groups = {cli::ParameterGroup::of<ExportParams>("Parameters"),
               cli::ParameterGroup::of<meshio::MarkupsParams>("Markups"), cli::ParameterGroup::of<DicomParams>("DICOM")};
+  for (const cli::ParameterGroup& group : solid_groups()) c.groups.push_back(group);
   c.run = [](const cli::ParsedCommand& parsed) {
     Report report;
     std::string text;

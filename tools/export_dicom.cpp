@@ -3,18 +3,16 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <list>
 
 #include "base/error.h"
 #include "base/write_file.h"
+#include "case_shapes.h"
 #include "cases/load_case.h"
 #include "export_parts.h"
-#include "meshing/contour.h"
 #include "meshio/export_format.h"
 #include "pacs/object.h"
 #include "pacs/original_slices.h"
 #include "pacs/removed_face.h"
-#include "voxel/shape_field.h"
 
 namespace trephine::tools {
 namespace {
@@ -26,43 +24,6 @@ std::string image_name(std::size_t slice) {
   std::snprintf(name, sizeof name, "ct_%04zu.dcm", slice + 1);
   return name;
 }
-
-// The anatomies that are wanted, with their surfaces: displayed ones, and those that the haptic volume displays.
-struct Shown {
-  std::string name;
-  std::array<double, 3> colour_rgb;
-  const surface::TriMesh* mesh = nullptr;
-  bool is_felt = false;  ///< its surface is the haptic volume's
-};
-
-class CaseShapes {
- public:
-  CaseShapes(const cases::LoadedCase& loaded, const std::vector<std::string>& wanted, const Progress& progress) {
-    const cases::CaseManifest& m = loaded.manifest;
-    std::vector<std::string> known;
-    for (const cases::CaseAnatomy& a : m.anatomies) known.push_back(a.name);
-    for (const std::string& name : wanted)
-      if (!m.find_anatomy(name)) unknown_name("--anatomy", name, known);
-    for (const cases::CaseAnatomy& a : m.anatomies) {
-      progress.check();
-      if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), a.name) == wanted.end()) continue;
-      if (!a.file.empty()) {
-        shown_.push_back({a.name, a.colour_rgb, loaded.find_surface(a.name), false});
-        continue;
-      }
-      const voxel::HapticShape* shape = loaded.has_haptic() ? loaded.haptic.find_shape(a.name) : nullptr;
-      if (!shape) continue;
-      felt_.push_back(
-          meshing::contour_to_look_at(voxel::shape_field(loaded.haptic, shape->number, progress), progress));
-      shown_.push_back({a.name, a.colour_rgb, &felt_.back(), true});
-    }
-  }
-  const std::vector<Shown>& all() const { return shown_; }
-
- private:
-  std::vector<Shown> shown_;
-  std::list<surface::TriMesh> felt_;
-};
 
 // The parameters by which the case chose its series.
 dicom::ImportParams import_of(const cases::CaseManifest& manifest) {

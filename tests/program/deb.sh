@@ -81,7 +81,7 @@ for program in trephine trephine-sim trephine-itk; do
   is_hardened "$root/usr/bin/$program"
   ! grep -aoE "($SOURCE|$BUILD)[ -~]*" "$root/usr/bin/$program" || fail "$program knows where it was built"
 done
-for library in "$root"/usr/lib/trephine/{mesh_formats,dicom_codecs}.so; do
+for library in "$root"/usr/lib/trephine/{mesh_formats,dicom_codecs,hdf5_writer}.so; do
   is_hardened "$library"
   ! grep -aoE "($SOURCE|$BUILD)[ -~]*" "$library" || fail "$library knows where it was built"
 done

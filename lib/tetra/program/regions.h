@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "surface/inside_query.h"
+
+namespace trephine::tetra {
+
+class Regions {
+ public:
+  explicit Regions(const std::vector<surface::TriMesh>& surfaces) {
+    for (const surface::TriMesh& s : surfaces) queries_.emplace_back(s);
+  }
+  int at(Vec3 world_mm) const {
+    for (std::size_t n = 0; n < queries_.size(); ++n)
+      if (queries_[n].inside(world_mm)) return int(n) + 1;
+    return 0;
+  }
+
+ private:
+  std::vector<surface::InsideQuery> queries_;
+};
+
+}  // namespace trephine::tetra
