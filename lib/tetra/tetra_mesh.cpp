@@ -19,6 +19,9 @@
 #include "tetra/tetra_message.h"
 
 namespace trephine::tetra {
+
+const char* const tetra_build = TREPHINE_VERSION " 1";  // the number changes with the messages
+
 namespace {
 
 constexpr const char* program_name = "trephine-tetra";

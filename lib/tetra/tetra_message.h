@@ -6,6 +6,6 @@ namespace trephine::tetra {
 /// points (world) and triangles, that with the least volume first. The answer: points, tetrahedra, their regions,
 /// borders, between, how many were joined; region n is surface n - 1.
 constexpr const char* tetra_worker = "tetra-mesh";
-constexpr const char* tetra_build = TREPHINE_VERSION " 1";  // the number changes with the messages
+extern const char* const tetra_build;  ///< in tetra_mesh.cpp, of which both sides are linked
 
 }  // namespace trephine::tetra

@@ -40,7 +40,7 @@ class DataFile {
 
  private:
   TemporaryFolder folder_;
-  void* file_;
+  void* file_ = nullptr;
 };
 
 }  // namespace trephine::dataset

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/error.h"
 #include "dataset/data_file.h"
 #include "dataset/pose.h"
 #include "dataset/shown_recording.h"
@@ -19,6 +20,7 @@ using Bgr = std::array<std::uint8_t, 3>;
 
 constexpr const char* drill = "mastoidectomy_drill";  // the tool, whatever it is, by their name
 constexpr Bgr tool_bgr{80, 80, 80};
+constexpr std::size_t most_surfaces = 254;  // beside the background and the tool
 
 constexpr const char* readme =
     "All position information is in meters unless specified otherwise. \n"
@@ -42,12 +44,12 @@ Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
 std::uint8_t byte_of(double share) { return std::uint8_t(std::lround(255 * std::clamp(share, 0.0, 1.0))); }
 
-// The colour of each label, no two alike: one that is taken gets a little less or more of blue.
+// The colour of each label, no two alike: one that is taken gets a little more of blue.
 std::vector<Bgr> label_colours(const scene::SceneData& scene) {
   std::vector<Bgr> all{{0, 0, 0}, tool_bgr};
   for (const scene::SceneSurface& s : scene.surfaces) {
     Bgr c{byte_of(s.colour_rgb[2]), byte_of(s.colour_rgb[1]), byte_of(s.colour_rgb[0])};
-    while (std::find(all.begin(), all.end(), c) != all.end()) c[0] = std::uint8_t(c[0] + (c[0] < 128 ? 1 : 255));
+    while (std::find(all.begin(), all.end(), c) != all.end()) ++c[0];
     all.push_back(c);
   }
   std::rotate(all.begin() + 1, all.begin() + 2, all.end());  // the tool is the last
@@ -56,7 +58,8 @@ std::vector<Bgr> label_colours(const scene::SceneData& scene) {
 
 // From the tip to the tail, as volumetric_drilling's drill points along its x.
 std::array<double, 7> tool_pose(const haptics::ServoFrame& f) {
-  const Vec3 axis = normalized(vec(f.axis));
+  const Vec3 said = vec(f.axis);
+  const Vec3 axis = is_finite(said) && norm(said) > 0 ? normalized(said) : Vec3{0, 0, 1};  // of a device that was lost
   const Mat3 frame = haptics::frame_of(axis, haptics::usable_across(vec(f.across), axis));
   return pose_of(vec(f.proxy_mm), {{axis, frame.column[0], frame.column[1]}});
 }
@@ -176,6 +179,9 @@ void write_labels(DataFile& file, std::uint64_t row, const render::LabelPicture&
 RecordingDataResult write_recording_data(session::Playback& playback, render::Stage& stage,
                                          const scene::OrbitCamera& camera, const RecordingDataOptions& o,
                                          const std::filesystem::path& target, const Progress& progress) {
+  if (stage.scene().surfaces.size() > most_surfaces)
+    throw Error(ExitCode::bad_input, "", "anatomies",
+                "the case shows " + std::to_string(stage.scene().surfaces.size()) + ", and labels are numbers to 255");
   const scene::EyeView eye = camera.eye(o.width, o.height, stage.scene().bounds);
   const std::vector<Bgr> colours = label_colours(stage.scene());
   std::vector<std::string> names{"background"};

@@ -44,6 +44,8 @@ expect 73 'no/x.hdf5' "$TREPHINE" render "$work/sample" "$work/hole.servo" --hdf
 cp "$work/hole.servo" "$work/changed.servo"
 printf '\x01' | dd of="$work/changed.servo" bs=1 seek=$((8208 + 176 * 100 + 120)) conv=notrunc status=none
 expect 80 'seal' "$TREPHINE" render "$work/sample" "$work/changed.servo" --hdf5 "$work/no.hdf5"
+code=0; (ulimit -f 400; data --hdf5 "$work/no.hdf5") || code=$?  # as a full disk
+[[ $code == 74 && ! -e $work/no.hdf5 ]] && grep -q 'HDF5 could not write' "$work/text" || { cat "$work/text"; fail "a full disk: $code"; }
 interrupted "$TREPHINE" render "$work/sample" "$work/hole.servo" --width 640 --height 480 --frames-per-s 30 --hdf5 "$work/no.hdf5"
 [[ $code == 130 && ! -e $work/no.hdf5 ]] || fail "interrupted: $code"
 ! ls -A "$work" | grep -q trephine-tmp || fail "a temporary file is left"

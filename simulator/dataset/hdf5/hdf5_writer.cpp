@@ -80,6 +80,7 @@ void close_all(File& f) {
 GIVEN int trephine_hdf5_version() { return own_library_version; }
 
 GIVEN void* trephine_hdf5_create(const char* name) {
+  H5dont_atexit();  // what could not be written is not tried again at the end of the program
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // what fails is said by what is thrown
   auto file = std::make_unique<File>();
   file->id = H5Fcreate(name, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
