@@ -2,7 +2,6 @@
 if(TARGET trephine-tetra)
 trephine_test(tetra tetra meshio)
 target_sources(tetra_test PRIVATE ${PROJECT_SOURCE_DIR}/lib/tetra/program/filled.cpp)
-target_include_directories(tetra_test PRIVATE ${PROJECT_SOURCE_DIR}/lib/tetra)
 add_dependencies(tetra_test trephine-tetra)
 find_package(VTK REQUIRED COMPONENTS CommonCore CommonDataModel IOXML)
 target_link_libraries(tetra_test PRIVATE VTK::CommonCore VTK::CommonDataModel VTK::IOXML)

@@ -43,6 +43,7 @@ void DataFile::text(const std::string& path, const std::string& text) {
 }
 void DataFile::texts(const std::string& path, const std::vector<std::string>& texts) {
   std::vector<const char*> all;
+  all.reserve(texts.size());
   for (const std::string& t : texts) all.push_back(t.c_str());
   hdf5().texts(file_, path.c_str(), all.data(), all.size());
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "program/filled.h"
+#include "tetra/program/filled.h"
 
 #include <algorithm>
 #include <map>

@@ -13,10 +13,10 @@
 
 #include "base/child.h"
 #include "base/child_message.h"
-#include "program/filled.h"
-#include "program/regions.h"
-#include "program/seeds.h"
 #include "surface/bounds.h"
+#include "tetra/program/filled.h"
+#include "tetra/program/regions.h"
+#include "tetra/program/seeds.h"
 #include "tetra/tetra_message.h"
 
 namespace trephine::tetra {

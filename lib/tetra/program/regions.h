@@ -6,6 +6,7 @@
 
 namespace trephine::tetra {
 
+/// The region at a place: the number from 1 of the first of the surfaces that holds it, or 0.
 class Regions {
  public:
   explicit Regions(const std::vector<surface::TriMesh>& surfaces) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "program/seeds.h"
+#include "tetra/program/seeds.h"
 
 #include <cmath>
 #include <map>
 
-#include "program/regions.h"
 #include "surface/vertex_normals.h"
+#include "tetra/program/regions.h"
 
 namespace trephine::tetra {
 namespace {

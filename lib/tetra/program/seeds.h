@@ -13,8 +13,7 @@ struct Seed {
   std::array<int, 2> between;
 };
 
-/// The region at a place: the number from 1 of the first of the surfaces that holds it, or 0.
-class Regions;
+class Regions;  // tetra/program/regions.h
 
 /// Corners of every piece of every surface, spread at about twice `size_mm`, and closer on a piece that is too small
 /// for four of them: so none is overlooked. Corners that are no border between two regions are left out.
