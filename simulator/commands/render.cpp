@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/png.h"
+#include "base/refusal.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
 #include "cli/command.h"
@@ -175,6 +176,11 @@ void write_data(const cli::ParsedCommand& parsed) {
   view.places = false;
   const Progress progress({}, &cancel_requested());
   session::Playback playback = playback_of(parsed, progress.part(0, 0.2));
+  if (const std::size_t different = playback.different_frames(); different > 0)
+    throw refusal("frames", fmt::format("{} of {} differ when replayed", different, playback.frames().size()),
+                  {"replay it with the version of the program that recorded it (its header says which), or record it "
+                   "anew with `servo`"})
+        .in_file(parsed.text("recording"));
   render::Stage stage(playback.loaded(), view, playback.patient()->uncut.get());
   const auto& p = parsed.params<PictureParams>();
   const dataset::RecordingDataOptions options{p.width, p.height, times_of(p, playback),
@@ -221,7 +227,7 @@ const cli::OwnCommand render_command([] {
       "picture for each step of its time, with the tool, the contact, the bone as it is drilled then, and the "
       "incisions. The pictures are frame-00001.png and so on. It needs OpenGL 4.3 through EGL; Mesa draws on the "
       "processor where there is no graphics card. Exit code 74 says that there is no OpenGL, 80 that the recording "
-      "gives another volume when it is run again.\n\n"
+      "gives another volume, or with --hdf5 any other bit, when it is run again.\n\n"
       "--hdf5 writes a recording as data for those who learn from it, in the layout of volumetric_drilling's recorder: "
       "colour, depth and labels from any camera, the poses of tool and camera, intrinsics and extrinsics, and the "
       "voxels that were removed.";

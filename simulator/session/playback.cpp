@@ -12,6 +12,14 @@ namespace {
 
 constexpr double step_s = 1.0 / 60;  // voxels are kept at that interval
 
+// How many frames are not, bit for bit, those of the recording from that number on.
+std::size_t unlike(const std::vector<haptics::ServoFrame>& again, const std::vector<haptics::ServoFrame>& recorded,
+                   std::size_t first) {
+  std::size_t count = 0;
+  for (std::size_t n = 0; n < again.size(); ++n) count += !haptics::same_frame(again[n], recorded[first + n]);
+  return count;
+}
+
 }  // namespace
 
 void IncisionWatch::look(const haptics::ServoFrame& f, std::vector<IncisionMark>& out) {
@@ -161,7 +169,8 @@ void Playback::run_through(const std::filesystem::path& file, const Progress& pr
     std::size_t end = first;
     while (end < frames.size() && frames[end].time_s < next_s) ++end;
     follow(first, end);
-    rerun.run({frames.begin() + std::ptrdiff_t(first), frames.begin() + std::ptrdiff_t(end)});
+    different_ += unlike(rerun.run({frames.begin() + std::ptrdiff_t(first), frames.begin() + std::ptrdiff_t(end)}),
+                         frames, first);
     if (end > first) note_changes(frames[end - 1].time_s, mirror);
     first = end;
     next_s += step_s;
@@ -172,6 +181,12 @@ void Playback::run_through(const std::filesystem::path& file, const Progress& pr
                   {"replay it with the version of the program that recorded it, or record it anew with `servo`"})
         .in_file(file.string());
   shown_steps_ = steps_.size();
+}
+
+std::size_t Playback::different_frames() {
+  if (header().drilling.drill) return different_;
+  Rerun rerun(patient_->felt, patient_->contact, "", header());
+  return unlike(rerun.run(frames()), frames(), 0);
 }
 
 std::vector<Playback::VoxelChange> Playback::voxel_changes() const {

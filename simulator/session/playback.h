@@ -81,6 +81,9 @@ class Playback {
     std::int16_t before, after;
   };
   std::vector<VoxelChange> voxel_changes() const;
+  /// Runs the recording again, where the constructor did not (nothing of it cuts), and counts the frames whose answers
+  /// are others than recorded, in any bit.
+  std::size_t different_frames();
   /// The tools as they were taken into the hand, the first at the begin.
   struct ToolTaken {
     double time_s;
@@ -120,7 +123,7 @@ class Playback {
   };
   std::vector<Taken> in_hand_;          // from each of these frames on
   std::optional<IncisionWatch> watch_;  // while the constructor works
-  std::size_t shown_steps_ = 0, frame_ = 0;
+  std::size_t shown_steps_ = 0, frame_ = 0, different_ = 0;
   double time_s_ = 0;
 };
 

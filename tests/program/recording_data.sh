@@ -44,6 +44,25 @@ expect 73 'no/x.hdf5' "$TREPHINE" render "$work/sample" "$work/hole.servo" --hdf
 cp "$work/hole.servo" "$work/changed.servo"
 printf '\x01' | dd of="$work/changed.servo" bs=1 seek=$((8208 + 176 * 100 + 120)) conv=notrunc status=none
 expect 80 'seal' "$TREPHINE" render "$work/sample" "$work/changed.servo" --hdf5 "$work/no.hdf5"
+# A force that is not the recorded one is found, also where nothing is cut, and where the file is sealed again.
+cat >"$work/reseal.py" <<'PY'
+import hashlib, re, struct, sys
+data = bytearray(open(sys.argv[1], "rb").read())
+size = int(re.search(rb'"frame_bytes": *(\d+)', data[16:8208]).group(1))
+at = 8208 + size * 500 + 120
+data[at:at + 8] = struct.pack("<d", struct.unpack("<d", data[at:at + 8])[0] + 1e-9)
+place = re.search(rb'"seal_sha256": *"([0-9a-f]{64})"', data[:8208]).start(1)
+data[place:place + 64] = b"0" * 64
+data[place:place + 64] = hashlib.sha256(data[8208:] + data[:8208]).hexdigest().encode()
+open(sys.argv[2], "wb").write(data)
+PY
+"$TREPHINE" servo "$work/sample" --no-paced --seconds 2 --record "$work/touch.servo" >/dev/null
+"$TREPHINE" render "$work/sample" "$work/touch.servo" "${small[@]}" --hdf5 "$work/touch.hdf5" >/dev/null || fail "a recording without a drill"
+for one in hole touch; do
+  python3 "$work/reseal.py" "$work/$one.servo" "$work/other.servo"
+  expect 80 'frames: 1 of .* differ when replayed' "$TREPHINE" render "$work/sample" "$work/other.servo" "${small[@]}" --hdf5 "$work/no.hdf5"
+  [[ ! -e $work/no.hdf5 ]] || fail "half an output"
+done
 code=0; (ulimit -f 400; data --hdf5 "$work/no.hdf5") || code=$?  # as a full disk
 [[ $code == 74 && ! -e $work/no.hdf5 ]] && grep -q 'HDF5 could not write' "$work/text" || { cat "$work/text"; fail "a full disk: $code"; }
 interrupted "$TREPHINE" render "$work/sample" "$work/hole.servo" --width 640 --height 480 --frames-per-s 30 --hdf5 "$work/no.hdf5"
