@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "base/png.h"
-#include "base/refusal.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
 #include "cli/command.h"
@@ -176,11 +175,7 @@ void write_data(const cli::ParsedCommand& parsed) {
   view.places = false;
   const Progress progress({}, &cancel_requested());
   session::Playback playback = playback_of(parsed, progress.part(0, 0.2));
-  if (const std::size_t different = playback.different_frames(); different > 0)
-    throw refusal("frames", fmt::format("{} of {} differ when replayed", different, playback.frames().size()),
-                  {"replay it with the version of the program that recorded it (its header says which), or record it "
-                   "anew with `servo`"})
-        .in_file(parsed.text("recording"));
+  playback.require_same_frames(parsed.path("recording"));
   render::Stage stage(playback.loaded(), view, playback.patient()->uncut.get());
   const auto& p = parsed.params<PictureParams>();
   const dataset::RecordingDataOptions options{p.width, p.height, times_of(p, playback),

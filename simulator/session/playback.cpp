@@ -12,6 +12,9 @@ namespace {
 
 constexpr double step_s = 1.0 / 60;  // voxels are kept at that interval
 
+const Remedy another_program{
+    "replay it with the version of the program that recorded it, or record it anew with `servo`"};
+
 // How many frames are not, bit for bit, those of the recording from that number on.
 std::size_t unlike(const std::vector<haptics::ServoFrame>& again, const std::vector<haptics::ServoFrame>& recorded,
                    std::size_t first) {
@@ -177,16 +180,21 @@ void Playback::run_through(const std::filesystem::path& file, const Progress& pr
     progress.report(double(first) / double(frames.size()));
   }
   if (h.outcome && haptics::volume_digest(volume) != h.outcome->volume_sha256)
-    throw refusal("volume_sha256", "the volume differs when replayed",
-                  {"replay it with the version of the program that recorded it, or record it anew with `servo`"})
-        .in_file(file.string());
+    throw refusal("volume_sha256", "the volume differs when replayed", another_program).in_file(file.string());
   shown_steps_ = steps_.size();
 }
 
-std::size_t Playback::different_frames() {
-  if (header().drilling.drill) return different_;
-  Rerun rerun(patient_->felt, patient_->contact, "", header());
-  return unlike(rerun.run(frames()), frames(), 0);
+void Playback::require_same_frames(const std::filesystem::path& file) {
+  std::size_t different = different_;
+  if (!header().drilling.drill) {
+    Rerun rerun(patient_->felt, patient_->contact, file.string(), header());
+    different = unlike(rerun.run(frames()), frames(), 0);
+  }
+  if (different > 0)
+    throw refusal("frames",
+                  std::to_string(different) + " of " + std::to_string(frames().size()) + " differ when replayed",
+                  another_program)
+        .in_file(file.string());
 }
 
 std::vector<Playback::VoxelChange> Playback::voxel_changes() const {

@@ -81,9 +81,9 @@ class Playback {
     std::int16_t before, after;
   };
   std::vector<VoxelChange> voxel_changes() const;
-  /// Runs the recording again, where the constructor did not (nothing of it cuts), and counts the frames whose answers
-  /// are others than recorded, in any bit.
-  std::size_t different_frames();
+  /// Runs the recording again, where the constructor did not because nothing of it cuts. Throws Error 80 where the
+  /// answer of any frame is another one than recorded, in any bit.
+  void require_same_frames(const std::filesystem::path& file);
   /// The tools as they were taken into the hand, the first at the begin.
   struct ToolTaken {
     double time_s;
