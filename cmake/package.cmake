@@ -9,7 +9,8 @@ install(FILES trephine.root DESTINATION ${CMAKE_INSTALL_DATADIR}/trephine COMPON
 install(FILES README.md LICENSE CONTRIBUTING.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT programs)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT programs PATTERN "*.sh" EXCLUDE PATTERN "*.js" EXCLUDE)
 install(DIRECTORY examples/case_reader examples/contact examples/udp_client examples/python_reader examples/dicom_overlay
-                  examples/slicer_scene examples/ambf_stack DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/trephine-dev/examples
+                  examples/slicer_scene examples/ambf_stack examples/recording_data examples/pressed_brain
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/trephine-dev/examples
         COMPONENT development)
 
 # Manual pages and bash's completion come from the commands' declarations, when a program is linked.

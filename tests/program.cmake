@@ -24,3 +24,13 @@ if(TARGET trephine AND TARGET trephine-sim AND TARGET trephine-itk)
   set_tests_properties(program.hardened PROPERTIES TIMEOUT 1800
     ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};BUILD=${PROJECT_BINARY_DIR};COMPILED_HARDENED=$<$<NOT:$<BOOL:${TREPHINE_SANITIZE}>>:1>;FORTIFIED=$<CONFIG:Release,RelWithDebInfo,MinSizeRel>")
 endif()
+if(TARGET trephine-tetra AND TARGET trephine-sim)
+  foreach(which solids:0 Long_solids:1)
+    string(REPLACE ":" ";" which ${which})
+    list(GET which 0 name)
+    list(GET which 1 long)
+    add_test(NAME program.${name} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/solids.sh)
+    set_tests_properties(program.${name} PROPERTIES TIMEOUT 1800 SKIP_RETURN_CODE 77
+      ENVIRONMENT "LONG=${long};TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};WRITE_CASE=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/write_sample_case")
+  endforeach()
+endif()

@@ -15,7 +15,7 @@ if(TARGET trephine_window)
 trephine_test(window window)
 add_library(reset_stub MODULE reset_stub.c)
 set_target_properties(reset_stub PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
-foreach(script render play play_faults)
+foreach(script render recording_data play play_faults)
   add_test(NAME program.${script} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/${script}.sh)
   set_tests_properties(program.${script} PROPERTIES TIMEOUT 1800 SKIP_RETURN_CODE 77
     ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine-sim>;SOURCE=${PROJECT_SOURCE_DIR};WRITE_CASE=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/write_sample_case;STUB=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/adaptor_stub.so;PAD_STUB=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/gamepad_stub.so;RESET_STUB=$<TARGET_FILE:reset_stub>")

@@ -16,6 +16,7 @@
 #include "export_dicom.h"
 #include "export_parts.h"
 #include "export_scene.h"
+#include "export_solids.h"
 #include "head/head_landmarks.h"
 #include "meshio/export_format.h"
 #include "meshio/markups.h"
@@ -40,6 +41,7 @@ std::vector<std::string> format_choices() {
   names.emplace_back(markups_format);
   for (const std::string& name : scene_format_names()) names.push_back(name);
   for (const std::string& name : dicom_format_names()) names.push_back(name);
+  for (const std::string& name : solid_format_names()) names.push_back(name);
   return names;
 }
 
@@ -69,6 +71,7 @@ struct Formats {
   bool markups = false;
   SceneFormats scenes;
   DicomFormats dicom;
+  SolidFormats solids;
 };
 
 template <class Format>
@@ -83,7 +86,7 @@ Formats formats_of(const cli::ParsedCommand& parsed) {
     const auto labels = std::find_if(all_labels.begin(), all_labels.end(),
                                      [&](const meshio::LabelFormat& f) { return name == f.name; });
     const meshio::ExportFormat* surface = meshio::find_export_format(name);
-    if (formats.dicom.take(name) || formats.scenes.take(name)) continue;
+    if (formats.dicom.take(name) || formats.scenes.take(name) || formats.solids.take(name)) continue;
     if (name == markups_format)
       formats.markups = true;
     else if (labels != all_labels.end())
@@ -205,7 +208,7 @@ void check_combination(const cli::ParsedCommand& parsed, const Formats& formats)
   if ((formats.markups || formats.scenes.any()) && (!parsed.has("input") || !fs::is_directory(parsed.path("input"))))
     export_usage("INPUT", std::string("must be a case's folder for ") + markups_format + " and " +
                               with_commas(scene_format_names()));
-  if (!formats.surfaces.empty() && !parsed.has("input"))
+  if ((!formats.surfaces.empty() || formats.solids.any()) && !parsed.has("input"))
     export_usage("INPUT", "is needed for surfaces: a case or a file");
   if (params.together)
     for (const meshio::ExportFormat* f : formats.surfaces)
@@ -233,7 +236,8 @@ std::string run_export(const cli::ParsedCommand& parsed, Report& report, const P
   const auto& params = parsed.params<ExportParams>();
   const Formats formats = formats_of(parsed);
   check_combination(parsed, formats);
-  const ExportInput input = load_input(parsed, !formats.surfaces.empty(), report, progress.part(0, 0.1));
+  const bool from_file = formats.solids.any() && !fs::is_directory(parsed.path("input"));
+  const ExportInput input = load_input(parsed, !formats.surfaces.empty() || from_file, report, progress.part(0, 0.1));
   if (!formats.surfaces.empty() && input.surfaces.empty())
     throw Error(ExitCode::bad_input, parsed.text("input"), "", "holds no surface");
   std::string stem = params.name;
@@ -265,9 +269,18 @@ std::string run_export(const cli::ParsedCommand& parsed, Report& report, const P
     dicom = export_dicom(parsed, formats.dicom, params.name, report, progress.part(0.8, 0.95));
     text += "object                              MB   holds\n" + dicom.table;
   }
+  SolidExport solids;
+  if (formats.solids.any()) {
+    const std::string own = !params.name.empty() ? params.name
+                            : from_file          ? input.surfaces.at(0).name
+                                                 : input.manifest.case_token;
+    solids = export_solids(parsed, formats.solids, input, own, report, progress.part(0.95, 1));
+    text += solids.table;
+  }
   make_output_folder(out);
   write_dicom(out, dicom);
   write_scenes(out, scenes);
+  write_solids(out, solids);
   meshio::write_export(out, exported.files);
   meshio::write_export(out, markups);
   for (const meshio::LabelFormat* f : formats.labels)
@@ -299,7 +312,7 @@ std::string formats_text() {
          "\n\nFormat mrk.json is markups for 3D Slicer, of a case: its landmarks (landmarks.mrk.json, which `run "
          "--landmarks` reads back), its targets (targets.mrk.json), and the axis of each burr hole as a line "
          "(trajectory-NAME.mrk.json).\n\n" +
-         scene_formats_help + "\n\n" + dicom_formats_help;
+         scene_formats_help + "\n\n" + dicom_formats_help + "\n\n" + solid_formats_help;
 }
 
 }  // namespace
@@ -320,6 +333,8 @@ const cli::OwnCommand export_command([] {
                 "trephine export library/head-01 --format slicer-mrb --out exported",
                 "trephine export library/head-01 --format ambf --out volumetric_drilling/ADF",
                 "trephine export library/head-01 --format dicom-seg,dicom-rtss --series scan --out exported",
+                "trephine export library/head-01 --format tetra-vtu,tetra-msh --size-mm 5 --out exported",
+                "trephine export library/head-01 --format sdf --densities skull=1900 --out exported",
                 "trephine export --format seg.nrrd --labels skin=skin.nrrd,skull=skull.nrrd --out exported"};
   const auto argument = [](const char* name, cli::Argument::Kind kind, const std::string& help) {
     cli::Argument a;
@@ -352,6 +367,7 @@ const cli::OwnCommand export_command([] {
   c.groups = {cli::ParameterGroup::of<ExportParams>("Parameters"),
               cli::ParameterGroup::of<meshio::MarkupsParams>("Markups"),
               cli::ParameterGroup::of<ambf::AdfParams>("AMBF"), cli::ParameterGroup::of<DicomParams>("DICOM")};
+  for (const cli::ParameterGroup& group : solid_groups()) c.groups.push_back(group);
   c.run = [](const cli::ParsedCommand& parsed) {
     Report report;
     std::string text;

@@ -6,9 +6,9 @@
 
 #include "base/error.h"
 #include "base/write_file.h"
+#include "case_shapes.h"
 #include "cases/load_case.h"
 #include "export_parts.h"
-#include "export_shapes.h"
 #include "meshio/export_format.h"
 #include "pacs/object.h"
 #include "pacs/original_slices.h"

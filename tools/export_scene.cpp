@@ -10,8 +10,8 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "base/write_file.h"
+#include "case_shapes.h"
 #include "export_parts.h"
-#include "export_shapes.h"
 #include "meshio/export_format.h"
 #include "slicer/scene.h"
 

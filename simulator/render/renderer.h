@@ -55,6 +55,13 @@ class VolumeRays {
   virtual double scale() const = 0;
 };
 
+/// What is seen in each pixel's middle, row by row from the top.
+struct LabelPicture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> label;  ///< 0: nothing; n + 1: surface n of the scene; one more than there are: the tool
+  std::vector<float> depth_mm;      ///< along the line of sight, from the plane of the eye; 0 where nothing is seen
+};
+
 /// Draws a scene with OpenGL 4.3 core into a texture of its own. All calls come from the thread of the context that was
 /// current when it was made. Positions are converted to mm from the scene's centre, so that floats are precise.
 ///
@@ -115,9 +122,17 @@ class Renderer {
   std::size_t graphics_bytes() const;  ///< and of the last picture
 
  private:
+  friend LabelPicture draw_labels(Renderer& renderer, const scene::EyeView& eye, const scene::SceneState& state,
+                                  int width, int height);
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// Which surface or tool is seen in each pixel, and how far away: of the tool and the surfaces that are opaque, whole
+/// and with their incisions. Neither planes, markers nor volumes that are cast are seen. The scene has at most 254
+/// surfaces.
+LabelPicture draw_labels(Renderer& renderer, const scene::EyeView& eye, const scene::SceneState& state, int width,
+                         int height);
 
 /// A framebuffer without a window: present() into it, then read.
 class OffscreenPicture {

@@ -46,13 +46,14 @@ void Renderer::Impl::begin_surface(const scene::EyeView& eye, const scene::Scene
 
 void Renderer::Impl::surface_with(int parts) {
   using namespace shaders;
+  if (labelling) parts = (parts & (balls_part | wall_part)) | label_part;
   GlProgram& p = surfaces[parts];
   surface = &p;
   const std::size_t number = std::size_t(parts);
   if (!made[number]) {
     static const std::pair<int, const char*> names[] = {
         {grain_part, "GRAIN"},   {glow_part, "GLOW"},       {balls_part, "BALLS"}, {wall_part, "WALL"},
-        {shadow_part, "SHADOW"}, {theatre_part, "THEATRE"}, {dust_part, "DUST"}};
+        {shadow_part, "SHADOW"}, {theatre_part, "THEATRE"}, {dust_part, "DUST"},   {label_part, "LABEL"}};
     std::string source = fmt::format("#version 430 core\n#define KEY_LIGHT vec3({:.9f}, {:.9f}, {:.9f})\n",
                                      key_light[0], key_light[1], key_light[2]);
     for (const auto& [part, name] : names)
@@ -153,6 +154,7 @@ void Renderer::Impl::use_surface(std::size_t n, const scene::SceneState& state, 
   if (state.theatre) set_tissue(item.skin, item.skin ? 0.1 : 1);
   surface->set("model", item.buffer ? item.buffer->placed().model : scene::Mat4());
   surface->set("opacity", float(opacity));
+  surface->set("label", int(n) + 1);
   if (item.incised && !walls.empty()) set_balls(*surface, true);
   set_colour(item.colour_rgb);
 }
@@ -199,6 +201,7 @@ void Renderer::Impl::draw_walls(const scene::SceneState& state) {
     if (state.theatre) set_tissue(false, 1);
     surface->set("model", scene::affine(scaled(wall.ball.radius_mm), relative(wall.ball.centre_mm)));
     surface->set("opacity", 1.f);
+    surface->set("label", wall.surface + 1);
     surface->set("wall_ball", int(n));
     surface->set("to_occupancy", wall.to_occupancy);
     set_balls(*surface, true);
@@ -216,6 +219,7 @@ void Renderer::Impl::draw_solid_at(const SolidBuffer& solid, Vec3 place_mm, cons
   surface_with(0);  // nor does the tool receive its own shadow
   surface->set("model", scene::affine(axes, relative(place_mm)));
   surface->set("opacity", float(opacity));
+  surface->set("label", int(items.size()) + 1);  // the tool is the only one of them that has a label
   solid.draw();
 }
 

@@ -30,6 +30,9 @@ struct Renderer::Impl {
 
   // renderer_draw.cpp
   void draw(const scene::EyeView& eye, const scene::SceneState& state, int width, int height);
+  // renderer_labels.cpp
+  LabelPicture draw_labels(const scene::EyeView& eye, const scene::SceneState& state, int width, int height);
+  // renderer_draw.cpp
   /// What is drawn from now on, until it is called again, is seen by that eye; `cut` away, or not.
   void begin_surface(const scene::EyeView& eye, const scene::SceneState& state, bool cut = true);
   /// Uses the program with these parts (shaders::SurfacePart), which `surface` is then.
@@ -70,6 +73,7 @@ struct Renderer::Impl {
   const scene::EyeView* surface_eye = nullptr;
   const scene::SceneState* surface_state = nullptr;
   bool surface_cut = false;
+  bool labelling = false;  ///< what is drawn gives its number and its distance, in place of a colour
   GlProgram box;
   GlObject empty_array, noise;
   DrawnPlanes planes;

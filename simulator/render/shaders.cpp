@@ -35,8 +35,14 @@ void main() {
 // branch.
 const char* const surface_fragment = R"(
 in vec3 place, seen_from_eye, facing, albedo;
+#ifdef LABEL  // what it is, and how far before the eye along its line of sight
+uniform int label;
+layout(location = 0) out float depth_mm;
+layout(location = 1) out uint seen;
+#else
 uniform float opacity;
 out vec4 colour;
+#endif
 #ifdef GRAIN
 uniform float grain;
 uniform sampler3D noise;
@@ -102,6 +108,10 @@ void main() {
   vec3 at = (to_occupancy * vec4(place, 1)).xyz;
   if (any(lessThan(at, vec3(0))) || any(greaterThan(at, vec3(1))) || texture(occupancy, at).r < 0.5) discard;
 #endif
+#ifdef LABEL
+  depth_mm = -seen_from_eye.z;
+  seen = uint(label);
+#else
   vec3 n = normalize(facing), to_eye = normalize(-seen_from_eye);
   bool inner = !gl_FrontFacing;  // not by the normal, which leans over the edge where a surface turns away
   if (inner) n = -n;
@@ -187,6 +197,7 @@ void main() {
   float grazing = 1 - abs(dot(n, to_eye));
   float a = opacity >= 1 ? 1 : opacity + (1 - opacity) * 0.7 * grazing * grazing * grazing;
   colour = vec4(lit, a);
+#endif
 }
 )";
 

@@ -19,7 +19,8 @@ enum SurfacePart {
   shadow_part = 16,
   theatre_part = 32,
   dust_part = 64,
-  all_parts = 127
+  label_part = 128,  ///< writes which thing it is and how far away, in place of a colour
+  all_parts = 255
 };
 extern const char* const plane_vertex;
 extern const char* const plane_fragment;                   ///< caps of a cut, and slices of the CT

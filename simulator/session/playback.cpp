@@ -12,6 +12,17 @@ namespace {
 
 constexpr double step_s = 1.0 / 60;  // voxels are kept at that interval
 
+const Remedy another_program{
+    "replay it with the version of the program that recorded it, or record it anew with `servo`"};
+
+// How many frames are not, bit for bit, those of the recording from that number on.
+std::size_t unlike(const std::vector<haptics::ServoFrame>& again, const std::vector<haptics::ServoFrame>& recorded,
+                   std::size_t first) {
+  std::size_t count = 0;
+  for (std::size_t n = 0; n < again.size(); ++n) count += !haptics::same_frame(again[n], recorded[first + n]);
+  return count;
+}
+
 }  // namespace
 
 void IncisionWatch::look(const haptics::ServoFrame& f, std::vector<IncisionMark>& out) {
@@ -59,9 +70,17 @@ void IncisionWatch::follow_steps(const haptics::ServoFrame& f, std::uint32_t bef
   }
 }
 
-haptics::ToolParams Playback::tool() const {
+haptics::ToolParams Playback::tool_numbered(std::size_t tool) const {
   const haptics::RecordingHeader& h = recording_.header;
-  return h.tools.empty() ? h.tool : haptics::own_tool(h.tools[tool_in_hand()]);
+  return h.tools.empty() ? h.tool : haptics::own_tool(h.tools[tool]);
+}
+
+haptics::ToolParams Playback::tool() const { return tool_numbered(tool_in_hand()); }
+
+std::vector<Playback::ToolTaken> Playback::tools_taken() const {
+  std::vector<ToolTaken> all;
+  for (const Taken& t : in_hand_) all.push_back({recording_.frames[t.frame].time_s, tool_numbered(t.tool)});
+  return all;
 }
 
 std::string Playback::tool_name() const {
@@ -153,17 +172,38 @@ void Playback::run_through(const std::filesystem::path& file, const Progress& pr
     std::size_t end = first;
     while (end < frames.size() && frames[end].time_s < next_s) ++end;
     follow(first, end);
-    rerun.run({frames.begin() + std::ptrdiff_t(first), frames.begin() + std::ptrdiff_t(end)});
+    different_ += unlike(rerun.run({frames.begin() + std::ptrdiff_t(first), frames.begin() + std::ptrdiff_t(end)}),
+                         frames, first);
     if (end > first) note_changes(frames[end - 1].time_s, mirror);
     first = end;
     next_s += step_s;
     progress.report(double(first) / double(frames.size()));
   }
   if (h.outcome && haptics::volume_digest(volume) != h.outcome->volume_sha256)
-    throw refusal("volume_sha256", "the volume differs when replayed",
-                  {"replay it with the version of the program that recorded it, or record it anew with `servo`"})
-        .in_file(file.string());
+    throw refusal("volume_sha256", "the volume differs when replayed", another_program).in_file(file.string());
   shown_steps_ = steps_.size();
+}
+
+void Playback::require_same_frames(const std::filesystem::path& file) {
+  std::size_t different = different_;
+  if (!header().drilling.drill) {
+    Rerun rerun(patient_->felt, patient_->contact, file.string(), header());
+    different = unlike(rerun.run(frames()), frames(), 0);
+  }
+  if (different > 0)
+    throw refusal("frames",
+                  std::to_string(different) + " of " + std::to_string(frames().size()) + " differ when replayed",
+                  another_program)
+        .in_file(file.string());
+}
+
+std::vector<Playback::VoxelChange> Playback::voxel_changes() const {
+  std::vector<VoxelChange> all;
+  all.reserve(changes_.size());
+  for (const Step& step : steps_)
+    for (std::size_t n = step.first; n < step.last; ++n)
+      all.push_back({step.end_s, changes_[n].at, changes_[n].before, changes_[n].after});
+  return all;
 }
 
 double Playback::begin_s() const { return recording_.frames.front().time_s; }

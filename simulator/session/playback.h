@@ -62,6 +62,7 @@ class Playback {
 
   const std::shared_ptr<Patient>& patient() const { return patient_; }
   const cases::LoadedCase& loaded() const { return patient_->felt.loaded; }  ///< its voxels are those at time_s()
+  const haptics::Recording& recording() const { return recording_; }
   const haptics::RecordingHeader& header() const { return recording_.header; }
   const std::vector<haptics::ServoFrame>& frames() const { return recording_.frames; }
   double begin_s() const;
@@ -73,6 +74,22 @@ class Playback {
   double time_s() const { return time_s_; }
   const haptics::ServoFrame& frame() const { return recording_.frames[frame_]; }
   std::size_t frame_number() const { return frame_; }  ///< of frames()
+  /// How voxels changed from begin to end, in the order of their times. They are compared each 60th of a second.
+  struct VoxelChange {
+    double time_s;
+    std::uint32_t at;  ///< of the volume's voxels
+    std::int16_t before, after;
+  };
+  std::vector<VoxelChange> voxel_changes() const;
+  /// Runs the recording again, where the constructor did not because nothing of it cuts. Throws Error 80 where the
+  /// answer of any frame is another one than recorded, in any bit.
+  void require_same_frames(const std::filesystem::path& file);
+  /// The tools as they were taken into the hand, the first at the begin.
+  struct ToolTaken {
+    double time_s;
+    haptics::ToolParams tool;
+  };
+  std::vector<ToolTaken> tools_taken() const;
   /// The tool in hand at that time, and its name.
   haptics::ToolParams tool() const;
   std::string tool_name() const;
@@ -93,6 +110,7 @@ class Playback {
   void note_changes(double time_s, std::vector<std::int16_t>& mirror);
   void apply(std::size_t change, bool forwards);
   std::size_t tool_in_hand() const;
+  haptics::ToolParams tool_numbered(std::size_t tool) const;
 
   haptics::Recording recording_;
   std::shared_ptr<Patient> patient_;
@@ -105,7 +123,7 @@ class Playback {
   };
   std::vector<Taken> in_hand_;          // from each of these frames on
   std::optional<IncisionWatch> watch_;  // while the constructor works
-  std::size_t shown_steps_ = 0, frame_ = 0;
+  std::size_t shown_steps_ = 0, frame_ = 0, different_ = 0;
   double time_s_ = 0;
 };
 

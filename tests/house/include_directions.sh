@@ -20,7 +20,7 @@ for i in "${!order[@]}"; do rank[${order[$i]}]=$i; done
 owners=(
   'itk[A-Z]|itk_|itk'
   'vtk[A-Z]|vtk_|meshing meshio simulator'
-  'CGAL/|meshing metrics boolean'
+  'CGAL/|meshing metrics boolean tetra'
   'gdcm|codecs'
   'yaml-cpp/|config'
   'CLI/|cli'

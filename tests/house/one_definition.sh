@@ -18,7 +18,7 @@ done < <(find lib simulator \( -name '*.h' -o -name '*.cpp' \) 2>/dev/null | sor
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 for folder in lib simulator tools; do
-  [[ -d $folder ]] && find "$folder" -name '*.h' ! -path 'lib/itk/program/*' | sort
+  [[ -d $folder ]] && find "$folder" -name '*.h' ! -path 'lib/itk/program/*' ! -path 'lib/tetra/program/*' | sort
 done | sed "s|.*|#include \"$PWD/&\"|" > "$work/all.cpp"
 includes=(-I lib -I simulator -I tools)
 for found in /usr/include/vtk-9.1 /usr/include/gdcm-3.0 /usr/include/eigen3 /usr/include/imgui; do

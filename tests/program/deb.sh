@@ -27,7 +27,7 @@ version=$(dpkg-deb -f "$deb" Version)
 [[ $("$TREPHINE" --version) == "trephine $version" ]] || fail "version $version"
 [[ $(head -1 "$SOURCE/cmake/debian/changelog") == "trephine ($version) "* ]] || fail "cmake/debian/changelog is not of $version"
 dpkg-deb -f "$deb" Depends >"$work/depends"
-for library in ninja-build gnuplot-nox fonts-dejavu-core libc6 libstdc++6 libfmt libssl libvtk libassimp libgdcm libyaml-cpp libinsighttoolkit; do
+for library in ninja-build gnuplot-nox fonts-dejavu-core libc6 libstdc++6 libfmt libssl libvtk libassimp libgdcm libyaml-cpp libinsighttoolkit libhdf5; do
   grep -q "$library" "$work/depends" || { cat "$work/depends"; fail "does not depend on $library"; }
 done
 [[ $(dpkg-deb -f "$dev" Depends) == *libfmt-dev* ]] || fail "trephine-dev does not depend on libfmt-dev"
@@ -39,8 +39,8 @@ dpkg-deb -c "$deb" >"$work/list"
 for page in trephine/{run.md,configuration.schema.json} trephine-sim/play.md; do
   grep -q " \./usr/share/doc/trephine/docs/reference/$page$" "$work/list" || fail "the reference lacks $page"
 done
-! awk '!/\/$/ { print $6 }' "$work/list" | grep -vxE -e '\./usr/bin/trephine(-sim|-itk)?' \
-  -e '\./usr/lib/trephine/(mesh_formats|dicom_codecs|force_dimension|open_haptics)\.so' \
+! awk '!/\/$/ { print $6 }' "$work/list" | grep -vxE -e '\./usr/bin/trephine(-sim|-itk|-tetra)?' \
+  -e '\./usr/lib/trephine/(mesh_formats|dicom_codecs|hdf5_writer|force_dimension|open_haptics)\.so' \
   -e '\./usr/lib/trephine/slicer-modules/Trephine(Run|Export|Measure)' \
   -e '\./usr/share/trephine/(trephine\.root|(pipelines|configs|configs/scenes|configs/trade|configs/rubrics|examples/lessons)/[a-z_]+\.(yaml|json)|configs/same_place\.tfm|sample_dicom/slice_[0-9]{4}\.dcm)' \
   -e '\./usr/share/trephine/pipelines/Snakefile' \
@@ -50,7 +50,7 @@ done
   -e '\./usr/share/bash-completion/completions/trephine(-sim)?' || fail "these do not belong there"
 ! dpkg-deb -c "$dev" | awk '!/\/$/ { print $6 }' | grep -vxE -e '\./usr/include/trephine/[a-z]+/[a-z_0-9]+\.h' \
   -e '\./usr/lib/([a-z0-9_-]+/)?(libtrephine_[a-z]+\.a|cmake/TrephineCase/TrephineCase[A-Za-z-]+\.cmake)' \
-  -e '\./usr/share/doc/trephine-dev/(copyright|changelog\.gz|examples/(ambf_stack|case_reader|contact|dicom_overlay|python_reader|slicer_scene|udp_client)/[A-Za-z._]+)' || fail "these do not belong there"
+  -e '\./usr/share/doc/trephine-dev/(copyright|changelog\.gz|examples/(ambf_stack|case_reader|contact|dicom_overlay|pressed_brain|python_reader|recording_data|slicer_scene|udp_client)/[A-Za-z._]+)' || fail "these do not belong there"
 
 # The Python package, from an empty folder, by the Python that it is for.
 if ((${#packages[@]} > 2)); then
@@ -82,7 +82,7 @@ for program in trephine trephine-sim trephine-itk; do
   is_hardened "$root/usr/bin/$program"
   ! grep -aoE "($SOURCE|$BUILD)[ -~]*" "$root/usr/bin/$program" || fail "$program knows where it was built"
 done
-for library in "$root"/usr/lib/trephine/{mesh_formats,dicom_codecs}.so; do
+for library in "$root"/usr/lib/trephine/{mesh_formats,dicom_codecs,hdf5_writer}.so; do
   is_hardened "$library"
   ! grep -aoE "($SOURCE|$BUILD)[ -~]*" "$library" || fail "$library knows where it was built"
 done

@@ -7,8 +7,10 @@
 command -v readelf >/dev/null || skip "no readelf"
 bin=$(dirname "$TREPHINE")
 
-for program in trephine trephine-sim trephine-itk; do is_hardened "$bin/$program"; done
-for library in mesh_formats dicom_codecs; do is_hardened "$BUILD/lib/trephine/$library.so"; done
+programs=(trephine trephine-sim trephine-itk)
+[[ ! -e $bin/trephine-tetra ]] || programs+=(trephine-tetra)  # TREPHINE_TETRA
+for program in "${programs[@]}"; do is_hardened "$bin/$program"; done
+for library in mesh_formats dicom_codecs hdf5_writer; do is_hardened "$BUILD/lib/trephine/$library.so"; done
 for path in '/a:' ':/a' '/a::/b' 'lib' '/a:lib' ''; do  # each of these is found
   ! (readelf() { echo " 0x1d (RUNPATH)            Library runpath: [$path]"; }; has_whole_run_path fake) 2>/dev/null || [[ -z $path ]] \
     || fail "a run path of '$path' was not found"
@@ -44,6 +46,6 @@ fi
 
 # Installed.
 cmake --install "$BUILD" --prefix "$work/installed" --component programs >"$work/log" 2>&1 || { cat "$work/log"; fail "cmake --install"; }
-for program in trephine trephine-sim trephine-itk; do is_hardened "$work/installed/bin/$program"; done
-for library in mesh_formats dicom_codecs; do is_hardened "$work/installed/lib/trephine/$library.so"; done
+for program in "${programs[@]}"; do is_hardened "$work/installed/bin/$program"; done
+for library in mesh_formats dicom_codecs hdf5_writer; do is_hardened "$work/installed/lib/trephine/$library.so"; done
 echo ok

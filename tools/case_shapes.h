@@ -7,22 +7,23 @@
 
 #include "base/progress.h"
 #include "cases/load_case.h"
+#include "surface/trimesh.h"
 
 namespace trephine::tools {
 
-/// An anatomy of a case with its surface: the one that is displayed, or that of the haptic volume which displays it.
+/// An anatomy of a case with its surface: the displayed one, or that of the haptic volume, which displays it.
 struct ShownShape {
   std::string name;
-  std::array<double, 3> colour_rgb{0.8, 0.8, 0.8};
+  std::array<double, 3> colour_rgb;
   double opacity = 1;
   const surface::TriMesh* mesh = nullptr;
   bool is_felt = false;  ///< its surface is the haptic volume's
 };
 
-/// The anatomies of a case that are wanted; all where `wanted` is empty. Refers to the loaded case.
+/// The anatomies of a case that are wanted; none named: all. The case must outlive it. Throws Error 64 for a name that
+/// is none of them.
 class CaseShapes {
  public:
-  /// Throws Error 64 where the case has no anatomy of such a name.
   CaseShapes(const cases::LoadedCase& loaded, const std::vector<std::string>& wanted, const Progress& progress);
   const std::vector<ShownShape>& all() const { return shown_; }
 

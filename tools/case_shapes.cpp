@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "export_shapes.h"
+#include "case_shapes.h"
 
 #include <algorithm>
 
