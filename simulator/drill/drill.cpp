@@ -80,7 +80,7 @@ const Removal& Drill::cut_way(const ToolPose& pose, Vec3 to_tip_mm, double wider
   runs_ = true;
   const double energy_j = power_w_ * std::max(power_ratio, 0.0) * dt_s;
   if (!(energy_j > 0 && dt_s > 0)) return go_ways(dt_s);
-  const ToolWay way{from, to_tip_mm, wider_mm, dt_s, energy_j, 1, 0, held_};
+  const ToolWay way{from, to_tip_mm, wider_mm, dt_s, energy_j, 1, 0, held_, power_ratio > 1};
   if (!ways_.join(way)) {
     // Where the cutter was changed so often that no place became free, the oldest way is cut to its end first.
     while (ways_.full()) cut_pass();

@@ -55,10 +55,7 @@ bool LettingGo::look(const ToolPose& tool, double pressure_n, double dt_s) {
     rest();
     return true;
   }
-  if (breaks_ && share > from_ + fresh_share) {  // the cutter has gone on into other bone
-    rest();
-    through_ = true;
-  }
+  if (breaks_ && share > from_ + fresh_share) hold_again();  // the cutter has gone on into other bone
   if (!breaks_ && (share < weak_share || pressure_n > share * front.area_mm2 * strength_n_per_mm2_)) {
     breaks_ = true;
     from_ = share;

@@ -33,7 +33,12 @@ class LettingGo {
   void come_through() { through_ = true; }
   bool is_through() const { return through_; }
   void rest() {
-    through_ = breaks_ = false;
+    hold_again();
+    through_ = false;
+  }
+  /// The bone holds again as before: the drill stops, or its tip is in bone once more. It remains through.
+  void hold_again() {
+    breaks_ = false;
     ratio_ = 1;
     loose_s_ = 0;
   }

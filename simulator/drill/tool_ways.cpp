@@ -75,7 +75,8 @@ void ToolWays::join_any() {
 }
 
 bool ToolWays::join(const ToolWay& way) {
-  return count_ > 0 && at(count_ - 1).cutter == way.cutter && join(at(count_ - 1), way, full());
+  if (count_ == 0 || at(count_ - 1).cutter != way.cutter) return false;
+  return (at(count_ - 1).breaks == way.breaks || full()) && join(at(count_ - 1), way, full());
 }
 
 void ToolWays::drop_oldest() {

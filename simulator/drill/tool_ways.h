@@ -14,7 +14,8 @@ struct ToolWay {
   Vec3 to_tip_mm;
   double wider_mm = 0, time_s = 0, energy_j = 0;
   int passes = 1, pass = 0;
-  int cutter = 0;  ///< number in ToolWays
+  int cutter = 0;       ///< number in ToolWays
+  bool breaks = false;  ///< what lies there breaks away, and its energy is no power's
 };
 
 /// The ways that cutters went and that are still to be cut, oldest first, and the cutters. Only add_cutter allocates.

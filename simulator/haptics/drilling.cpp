@@ -125,11 +125,13 @@ void Drilling::hold(int burr) {
   wider_voxels_ = 0;
 }
 
-void Drilling::count(const drill::Removal& r) {
+void Drilling::count(const drill::Removal& r, bool breaks) {
   if (r.changed.empty()) return;
   contact_.loosen(r.changed);
-  outcome_.energy_j += r.energy_j;
-  removed_j_ += r.energy_j;
+  if (!breaks) {  // what breaks away takes none
+    outcome_.energy_j += r.energy_j;
+    removed_j_ += r.energy_j;
+  }
   outcome_.late_units += r.late_units;
   for (std::size_t n = 1; n < r.units.size(); ++n) {
     outcome_.units[n] += r.units[n];
@@ -184,8 +186,8 @@ double Drilling::cut(const HapticInput& in, const HapticState& state) {
   const bool idle = (pressed || breaks) && r.power_w < idle_ratio * std::min(max_w, power_w_);
   const double change = (idle ? letting_go_.is_loose() ? breaking : 1 : -narrowing) * widening_voxels_per_s * in.dt_s;
   wider_voxels_ = std::clamp(wider_voxels_ + change, 0.0, max_wider_voxels);
-  count(r);
-  return breaks ? 0 : r.power_w;  // what breaks away takes none
+  count(r, breaks);
+  return breaks ? 0 : r.power_w;
 }
 
 void Drilling::prepare(HapticInput& in) const {
@@ -199,6 +201,7 @@ void Drilling::prepare(HapticInput& in) const {
 
 void Drilling::tick(const HapticInput& in, const HapticState& state) {
   time_s_ += in.dt_s;
+  came_through_ = false;
   if (state.faults != 0) {
     force_ = {};
     last_mm_ = in.tip_mm;  // where the fault passes, it goes on from there
@@ -276,7 +279,6 @@ bool Drilling::was_bone(Vec3 at) const {
 // breaches nothing. A way that the tool leaves with its pedal up ends there, and begins anew where it comes back, so a
 // hole that is drilled in two goes is one breach.
 void Drilling::watch_breach(const HapticInput& in, Vec3 tip) {
-  came_through_ = false;
   const bool runs = in.buttons & pedal, lifted = in.buttons & haptic_button::lifted;
   const bool is = !lifted && was_bone(tip);
   if (is && !in_bone_ && !letting_go_.is_through()) {  // else it is in again by the way on which it came through
@@ -300,11 +302,12 @@ void Drilling::watch_breach(const HapticInput& in, Vec3 tip) {
   in_bone_ = is;
 }
 
-// The breach is told once nothing of the bone is left under the cutter. Bone at which the drill stops holds it as
-// before.
+// The breach is told once nothing of the bone is left under the cutter. Bone at which the drill stops, and other bone
+// that its tip meets behind, hold it as before.
 void Drilling::let_go(const HapticInput& in, const HapticState& state) {
   const bool runs = (in.buttons & pedal) && !(in.buttons & haptic_button::lifted);
-  if (!runs) return letting_go_.rest();
+  if (in.buttons & haptic_button::lifted) return letting_go_.rest();
+  if (!runs || in_bone_) return letting_go_.hold_again();
   if (!letting_go_.look(turned_pose(state.proxy_mm, state.axis, state.across), norm(state.force_n - force_), in.dt_s))
     return;
   came_through_ = due_;

@@ -100,8 +100,8 @@ class Drilling {
   /// The force on the hand since the last tick: against the motion, and a vibration across the tool. But for the
   /// vibration it never gives energy to a device at rest.
   Vec3 force_n() const { return force_; }
-  /// What the drill adds to the input of a tick, whose buttons are known: its force, whether it runs, came through in
-  /// the last tick, or is put back.
+  /// What the drill adds to the input of a tick, whose buttons are known: its force, whether it runs, came free of
+  /// bone in the last tick, or is put back, and what of the bone lets go of it.
   void prepare(HapticInput& in) const;
   void tick(const HapticInput& in, const HapticState& state);
   /// Begins an incision there.
@@ -129,7 +129,7 @@ class Drilling {
 
  private:
   void measure_burr();
-  void count(const drill::Removal& removal);
+  void count(const drill::Removal& removal, bool breaks = false);
   void cut_late(double dt_s);
   void feel_heat(bool runs, double dt_s);
   double cut(const HapticInput& in, const HapticState& state);
