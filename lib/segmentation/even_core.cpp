@@ -68,11 +68,11 @@ double noise_of(const mask::HuView& hu, const Box& box) {
 
 }  // namespace
 
-EvenCore even_core(const mask::BitMask& shape, const mask::HuView& hu, std::array<int, 3> begin,
-                   const Progress& progress) {
+std::optional<EvenCore> even_core(const mask::BitMask& shape, const mask::HuView& hu, std::array<int, 3> begin,
+                                  const Progress& progress) {
   const Box box(hu);
   const double noise = noise_of(hu, box);
-  if (noise < least_noise_hu) return {};
+  if (noise < least_noise_hu) return std::nullopt;
   const mask::BitMask core = mask::eroded(shape, depth_mm, progress);
   const grid::Lattice& l = core.lattice();
   const mask::BitMask even = mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
@@ -85,7 +85,7 @@ EvenCore even_core(const mask::BitMask& shape, const mask::HuView& hu, std::arra
     }
   });
   const mask::Components pieces = mask::components(even);
-  if (pieces.list.empty()) return {};
+  if (pieces.list.empty()) return EvenCore{};
   std::size_t best = 0;
   for (std::size_t c = 1; c < pieces.list.size(); ++c)
     if (pieces.list[c].voxels > pieces.list[best].voxels) best = c;

@@ -128,13 +128,16 @@ mask::BitMask bright_rim(const mask::BitMask& shape, const mask::BitMask& body, 
 
 void look_for_blood(const mask::BitMask& shape, const mask::HuView& hu, std::array<int, 3> begin,
                     const SegmentParams& p, Made& made, const Progress& progress) {
-  const EvenCore core = even_core(shape, hu, begin, progress);
+  const std::optional<EvenCore> found = even_core(shape, hu, begin, progress);
+  if (!found) return;
+  const EvenCore& core = *found;
   made.result.even_ml = core.ml;
   if (core.ml > p.max_even_ml)
     made.warnings.push_back(
         {"even_as_blood",
-         "{even_ml:.1f} ml of {mean_hu:.0f} HU about ({x_mm:.0f}, {y_mm:.0f}, {z_mm:.0f}) are as even as blood, which "
-         "bone never is: vessels or organs with contrast medium are part of it; take a scan without, or paint them "
+         "{even_ml:.1f} ml of {mean_hu:.0f} HU about ({x_mm:.0f}, {y_mm:.0f}, {z_mm:.0f}) are as even as blood, as "
+         "so large a piece of bone is not: vessels or organs with contrast medium are part of it; take a scan without, "
+         "or paint them "
          "away",
          {{"even_ml", core.ml},
           {"mean_hu", core.mean_hu},
