@@ -16,10 +16,10 @@ constexpr std::uint64_t max_bytes = 1 << 20;
 }
 
 void write_job_status(const std::filesystem::path& file, const JobStatus& status) {
-  const nlohmann::json json = status;
   try {
+    const nlohmann::json json = status;
     write_file(file, json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n", Links::replaced);
-  } catch (const Error&) {
+  } catch (const std::exception&) {  // of the disk, or for want of memory
   }
 }
 

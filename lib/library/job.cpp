@@ -118,7 +118,8 @@ std::string clean_log(const fs::path& log, const fs::path& series) {
 }
 
 // The errors with which the command ended; the last line of its log where it died without any.
-std::string reason_of(const json::JobStatus& status, const std::string& log) {
+// Both without the series' path, which may hold a patient's name.
+std::string reason_of(const json::JobStatus& status, const std::string& log, const fs::path& series) {
   std::string reason;
   for (const std::string& error : status.errors) reason += (reason.empty() ? "" : "; ") + error;
   if (reason.empty()) {
@@ -126,6 +127,7 @@ std::string reason_of(const json::JobStatus& status, const std::string& log) {
     for (std::string line; std::getline(lines, line);)
       if (!line.empty()) reason = line;
   }
+  replace_all(reason, series.string(), "SERIES");
   return printable(reason).substr(0, max_reason);
 }
 
@@ -237,8 +239,7 @@ JobResult do_job(const LibraryJob& asked) {
     }
   } else {
     if (node) publish::bring_refused(node->path(), job.library, job.token);
-    result.reason = reason_of(status, clean_log(log, job.series));
-    replace_all(result.reason, job.series.string(), "SERIES");
+    result.reason = reason_of(status, clean_log(log, job.series), job.series);
     if (node) replace_all(result.reason, node->path().string() + "/", "");
     replace_all(result.reason, job.library.string() + "/", "");
     if (result.reason.empty()) result.reason = "failed; its log could not be written";
