@@ -98,6 +98,18 @@ TEST(Ambf, RemovesFromHuAsCuttingDoes) {
   EXPECT_EQ(voxel::drilled_volume(v, removed).voxels.voxels, (std::vector<std::int16_t>{-1024, 300, -1000}));
 }
 
+// Two windows beside each other, as of a raw CT: air below both is neither.
+TEST(Ambf, AirBelowTwoWindowsOfHuIsNotShown) {
+  grid::Lattice l;
+  l.size = {4, 1, 1};
+  voxel::HapticVolume v;
+  v.encoding = voxel::HapticEncoding::hu;
+  v.voxels = grid::Grid<std::int16_t>(l);
+  v.voxels.voxels = {-500, -300, 40, 900};
+  v.shapes = {{"soft", 1, -200, 226}, {"bone", 2, 227, 3000}};
+  EXPECT_EQ(voxel::shown_shapes(v).voxels, (std::vector<std::uint8_t>{0, 0, 1, 2}));
+}
+
 // By the rules of AMBF and CHAI3D, from the file's own words: where the middle of a voxel lies in the patient.
 TEST(Ambf, StandsWhereTheCaseDoesOnAxesOfAnyDirection) {
   for (const bool left_handed : {false, true}) {

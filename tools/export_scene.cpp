@@ -154,6 +154,8 @@ SceneExport export_scenes(const cli::ParsedCommand& parsed, const SceneFormats& 
                           Report& report, const Progress& progress) {
   SceneExport made;
   if (!formats.any()) return made;
+  if (formats.ambf && parsed.has("anatomy"))
+    export_usage("--anatomy", "chooses surfaces, and --format ambf holds the whole haptic volume: leave it out");
   cases::LoadParts parts;
   parts.ct = formats.slicer_mrb;
   const cases::LoadedCase loaded = cases::load_case(parsed.path("input"), parts);
@@ -172,11 +174,13 @@ void write_scenes(const fs::path& out, const SceneExport& made) {
     folders[name.parent_path()].push_back({name.filename().string(), f.bytes});
   }
   const fs::path scene = out / made.ambf_folder;
-  for (const auto& [folder, files] : folders) {
-    make_output_folder(scene / folder);
-    meshio::write_export(scene / folder, files);
-  }
   std::error_code ignored;
+  // Without its launch file there is no scene, so what is written above an older one is never taken for a whole one.
+  fs::remove(scene / "launch.yaml", ignored);
+  for (auto it = folders.rbegin(); it != folders.rend(); ++it) {  // the scene's own folder is the first, and comes last
+    make_output_folder(scene / it->first);
+    meshio::write_export(scene / it->first, it->second);
+  }
   for (std::size_t n = folders[ambf::stack_folder].size();
        fs::remove(scene / ambf::stack_folder / ambf::picture_name(n), ignored); ++n) {
   }

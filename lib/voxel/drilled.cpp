@@ -57,7 +57,8 @@ grid::Mask shown_shapes(const HapticVolume& volume) {
           all += o;
           if (o > most) most = o, which = s.number;
         }
-        if (all >= 0.5) shown.at(i, j, int(k)) = std::uint8_t(which);
+        // Below a window of HU each other one adds a part of itself again.
+        if ((volume.encoding == HapticEncoding::hu ? most : all) >= 0.5) shown.at(i, j, int(k)) = std::uint8_t(which);
       }
   });
   return shown;

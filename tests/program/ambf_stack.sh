@@ -106,6 +106,8 @@ cp -r right twice && cp twice/plane007.png twice/other_7.png && refused 65 'its 
 cp -r right unnamed && cp unnamed/plane007.png unnamed/plane.png && refused 65 'ends in no number' unnamed
 refused 65 'must be 216 PNG files' ADF/play.ambf/volume
 refused 66 'STACK: not found' none
+expect 64 '^trephine export: --anatomy: .*whole haptic volume' "$TREPHINE" export head --format ambf --anatomy skull --out no --quiet
+[[ ! -e no ]] || fail "an export that was refused wrote something"
 "$python" - <<'PY'
 import shutil
 from PIL import Image
