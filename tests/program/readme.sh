@@ -48,6 +48,12 @@ while read -r line; do
     'trephine measure skull.vtp --truth '*) ;;  # after the loop: it needs the phantom
     'trephine import --list FOLDER') trephine import --list sample_dicom --quiet | grep -q usable ;;
     'trephine export LIBRARY/head-01 --format dicom-'*) ;;  # dicom_objects.sh runs it: it needs the case's scan
+    'trephine drilled LIBRARY/head-01 PICTURES '*) ;;  # ambf_stack.sh runs it: it needs pictures that were drilled
+    'trephine export LIBRARY/head-01 --format tetra-'*) ;;  # solids.sh runs it, where tetrahedra are built
+    'trephine export LIBRARY/head-01 --format ambf '*)
+      eval "${line/LIBRARY/library} --quiet" && [[ -s volumetric_drilling/ADF/head-01.ambf/launch.yaml ]] ;;
+    'trephine export LIBRARY/head-01 --format slicer-mrb '*)
+      eval "${line/LIBRARY/library} --quiet" && [[ -s exported/head-01.mrb ]] ;;
     'trephine export LIBRARY/head-01 --format mrk.json '*)
       eval "${line/LIBRARY/library} --quiet" && [[ -s exported/landmarks.mrk.json ]] ;;
     'trephine diff OLD'*)
