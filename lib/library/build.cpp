@@ -94,7 +94,10 @@ class Build {
     };
     tidy(state_.library(), {"", library_cache_name});
     tidy(state_.folder(), {"", "cases", "settings", "phantoms", "logs"});
-    std::error_code error;
+    std::error_code error, ignored;
+    // Of jobs that were killed; one that still runs, on a cluster, writes its own again.
+    for (fs::directory_iterator it(state_.folder() / "logs", error), end; !error && it != end; it.increment(error))
+      if (it->path().extension() == LibraryState::status_suffix) fs::remove(it->path(), ignored);
     for (fs::directory_iterator it(state_.library(), error), end; !error && it != end; it.increment(error))
       if (it->path().filename().string().front() != '.') tidy(it->path(), {"", "meshes", "report"});
   }
