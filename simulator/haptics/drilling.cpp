@@ -19,8 +19,9 @@ constexpr double min_depth_mm = 1;      // of a way through bone that counts as 
 // that share of its power, and how much slower it becomes narrower again.
 constexpr double max_bite_voxels = 0.4, max_wider_voxels = 1, widening_voxels_per_s = 40, narrowing = 0.3, breaking = 4,
                  idle_ratio = 0.6;
-constexpr double breaking_w = 1e4;     // so that nothing of what breaks is left by the power
-constexpr double usual_height_mm = 8;  // of a cylinder, where the tool's kind says nothing
+constexpr double across_counts_n = 0.1;  // less is the drill's own swing
+constexpr double breaking_w = 1e4;       // so that nothing of what breaks is left by the power
+constexpr double usual_height_mm = 8;    // of a cylinder, where the tool's kind says nothing
 
 // "a, b or c".
 std::string kinds_that_cut() {
@@ -308,8 +309,11 @@ void Drilling::let_go(const HapticInput& in, const HapticState& state) {
   const bool runs = (in.buttons & pedal) && !(in.buttons & haptic_button::lifted);
   if (in.buttons & haptic_button::lifted) return letting_go_.rest();
   if (!runs || in_bone_) return letting_go_.hold_again();
-  if (!letting_go_.look(turned_pose(state.proxy_mm, state.axis, state.across), norm(state.force_n - force_), in.dt_s))
-    return;
+  // Along the tool: a cutter that widens its hole with the tip out mills the wall, which stands.
+  const Vec3 force = state.force_n - force_;
+  const double along_n = dot(force, state.axis), across_n = norm(force - state.axis * along_n);
+  if (across_n > std::max(along_n, across_counts_n)) return letting_go_.hold_again();
+  if (!letting_go_.look(turned_pose(state.proxy_mm, state.axis, state.across), std::max(along_n, 0.0), in.dt_s)) return;
   came_through_ = due_;
   due_ = false;
 }
