@@ -264,7 +264,6 @@ TEST(SegmentThreshold, BloodInWhatIsTakenForBoneIsSaid) {
     segmentation::SegmentParams p;
     p.lower_hu = 200;
     p.seed_lower_hu = 350;
-    p.max_even_ml = 1;
     const auto made = segmentation::segment(volume, {}, p);
     ASSERT_TRUE(made.result.even_ml.has_value());
     std::printf("  vessel %d: %.2f ml\n", int(vessel), *made.result.even_ml);

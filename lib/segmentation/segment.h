@@ -32,7 +32,6 @@ struct SegmentParams {
   double grow_mm = 0;
   double max_scan_edge_ratio = 1;
   double coarse_mm = 0;
-  double max_even_ml = 0;
 
   template <class V>
   static void describe(V& v) {
@@ -74,10 +73,6 @@ struct SegmentParams {
              "Work on cells of about this size, each as bright as its brightest voxel, in a fraction of the time. It "
              "is for an anatomy that others only lie within: the result is up to a cell too large, and its surface has "
              "steps. 0: work on the scan's voxels.");
-    v.number(
-        &P::max_even_ml, "max_even_ml", Range{0, 10000},
-        "Of bone: warn where a piece of its inside larger than this is as even as blood with contrast medium. 0: it "
-        "is not looked for.");
   }
 };
 
@@ -93,7 +88,7 @@ struct SegmentResult {
   std::optional<std::int64_t> pieces_count;  ///< where pieces are chosen
   std::optional<double> filled_ml;
   std::optional<double> filled_by_closing_ml;  ///< of that, what is filled only because outlets were closed
-  std::optional<double> even_ml;               ///< the largest even piece, where it is looked for
+  std::optional<double> even_ml;               ///< the largest even piece, with hysteresis, where noise is known
   std::size_t cut_voxels_count = 0;            ///< where the mask ends inside material
   FinishResult finished;
   template <class V>
@@ -123,7 +118,8 @@ struct SegmentResult {
 /// beside a deeper part of the material is left out where it is 2 ml or more: a kernel that enhances
 /// edges makes the skin's rim as bright as bone.
 ///
-/// With max_even_ml warns where vessels or organs with contrast medium are part of the bone (even_core.h).
+/// With hysteresis, by which bone is found, it warns where vessels or organs with contrast medium are part of the shape
+/// (even_core.h).
 ///
 /// The result has the same bits whatever the thread count, and the function is safe to call from several threads at a
 /// time. Throws Error 65 where a voxel is not finite, or a mask is on another raster; 64 where coarse_mm is set and a

@@ -23,6 +23,7 @@ constexpr double cut_scale_hu = 100;
 constexpr double rejected_piece_ml = 1;  ///< of an opened mask: smaller pieces are thin parts of the kept one (ears)
 constexpr double rim_mm = 2;             ///< how deep below the surface of a body a kernel brightens its rim
 constexpr double min_rim_ml = 2;         ///< less may be thin bone at the surface
+constexpr double max_even_ml = 1;        ///< of bone's inside, in one piece
 constexpr double plate_core_mm = 1;      ///< a thin part of at least twice this
 constexpr double plate_span_mm = 100;    ///< and this long, cut by the volume's edge, is a table or head holder
 
@@ -126,13 +127,13 @@ mask::BitMask bright_rim(const mask::BitMask& shape, const mask::BitMask& body, 
   return rim;
 }
 
-void look_for_blood(const mask::BitMask& shape, const mask::HuView& hu, std::array<int, 3> begin,
-                    const SegmentParams& p, Made& made, const Progress& progress) {
+void look_for_blood(const mask::BitMask& shape, const mask::HuView& hu, std::array<int, 3> begin, Made& made,
+                    const Progress& progress) {
   const std::optional<EvenCore> found = even_core(shape, hu, begin, progress);
   if (!found) return;
   const EvenCore& core = *found;
   made.result.even_ml = core.ml;
-  if (core.ml > p.max_even_ml)
+  if (core.ml > max_even_ml)
     made.warnings.push_back(
         {"even_as_blood",
          "{even_ml:.1f} ml of {mean_hu:.0f} HU about ({x_mm:.0f}, {y_mm:.0f}, {z_mm:.0f}) are as even as blood, as "
@@ -189,7 +190,7 @@ Outcome<grid::Field, SegmentResult> segment_threshold(const mask::HuView& hu, co
     made.result.pieces_count = static_cast<std::int64_t>(pieces.list.size());
     shape = mask::select(pieces, chosen(pieces, p));
   }
-  if (p.max_even_ml > 0) look_for_blood(shape, hu, roi.begin, p, made, progress);
+  if (p.seed_lower_hu > p.lower_hu) look_for_blood(shape, hu, roi.begin, made, progress);
   if (p.close_mm > 0) shape = mask::closed(shape, p.close_mm, progress);
   const mask::FillRule rule{p.fill_close_mm, p.fill_max_ml, p.fill == SegmentFill::cavities_and_cut};
   if (p.fill != SegmentFill::none) {
