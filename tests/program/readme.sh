@@ -74,7 +74,7 @@ while read -r line; do
   esac
   seen=$((seen + 1))
 done <inline.txt
-[[ $seen == 17 ]] || { cat inline.txt; fail "$seen commands in the text of the pages"; }
+[[ $seen == 21 ]] || { cat inline.txt; fail "$seen commands in the text of the pages"; }
 cp head/truth/skull.vtp skull.vtp
 eval "$(grep '^trephine measure' inline.txt) --quiet"
 echo ok
