@@ -5,7 +5,6 @@
 #include <cmath>
 #include <vector>
 
-#include "base/parallel.h"
 #include "mask/filters.h"
 
 namespace trephine::segmentation {
@@ -84,24 +83,16 @@ std::optional<EvenCore> even_core(const mask::BitMask& shape, const mask::HuView
       row[i] = s.sd < even_ratio * noise && s.mean < max_blood_hu;
     }
   });
-  const mask::Components pieces = mask::components(even);
-  if (pieces.list.empty()) return EvenCore{};
-  std::size_t best = 0;
-  for (std::size_t c = 1; c < pieces.list.size(); ++c)
-    if (pieces.list[c].voxels > pieces.list[best].voxels) best = c;
-  EvenCore found;
-  double n = 0;
-  Vec3 sum;
-  mask::for_each_voxel(pieces, [&](int c, int i, int j, int k) {
-    if (std::size_t(c) != best) return;
-    found.mean_hu += hu(i + begin[0], j + begin[1], k + begin[2]);
-    sum += Vec3{double(i), double(j), double(k)};
-    ++n;
-  });
-  found.ml = n * l.voxel_volume_mm3() / 1000;
-  found.mean_hu /= n;
-  found.middle_mm = l.to_world_mm(sum / n);
-  return found;
+  const mask::BitMask piece = mask::largest(mask::components(even));
+  const std::size_t n = piece.count();
+  if (n == 0) return EvenCore{};
+  double sum_hu = 0;
+  const grid::Box box_of_piece = piece.bounds();
+  for (int k = box_of_piece.begin[2]; k < box_of_piece.end[2]; ++k)
+    for (int j = box_of_piece.begin[1]; j < box_of_piece.end[1]; ++j)
+      for (int i = box_of_piece.begin[0]; i < box_of_piece.end[0]; ++i)
+        if (piece.get(i, j, k)) sum_hu += hu(i + begin[0], j + begin[1], k + begin[2]);
+  return EvenCore{double(n) * l.voxel_volume_mm3() / 1000, sum_hu / double(n), piece.centre_mm()};
 }
 
 }  // namespace trephine::segmentation

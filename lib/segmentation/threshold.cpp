@@ -138,8 +138,7 @@ void look_for_blood(const mask::BitMask& shape, const mask::HuView& hu, std::arr
         {"even_as_blood",
          "{even_ml:.1f} ml of {mean_hu:.0f} HU about ({x_mm:.0f}, {y_mm:.0f}, {z_mm:.0f}) are as even as blood, as "
          "so large a piece of bone is not: vessels or organs with contrast medium are part of it; take a scan without, "
-         "or paint them "
-         "away",
+         "or paint them away",
          {{"even_ml", core.ml},
           {"mean_hu", core.mean_hu},
           {"x_mm", core.middle_mm.x},
