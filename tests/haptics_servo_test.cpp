@@ -18,6 +18,7 @@
 #include "haptics_only_sleep.h"
 #include "haptics_scene.h"
 #include "scratch_folder.h"
+#include "session/force_figures.h"
 
 using namespace trephine;
 using namespace trephine::haptic_scenes;
@@ -76,7 +77,7 @@ TEST(HapticsServo, AHandPressesAndFollowsAPath) {
   queue.drain(frames);
   ASSERT_EQ(frames.size(), 20000u);
   EXPECT_EQ(queue.dropped(), 0u);
-  const haptics::ForceFigures f = haptics::force_figures(frames, haptics::force_window(frames));
+  const session::ForceFigures f = session::force_figures(frames, session::force_window(frames));
   EXPECT_GT(f.touching, 15000u);
   EXPECT_EQ(f.anomaly_ratio, 0);
   EXPECT_LT(f.zero_force_ratio, 1e-9);

@@ -312,7 +312,7 @@ void episode(std::uint64_t seed, double seconds, Seen& seen) {
   if (udp) seen.poses += device->counts()[0].second;
 }
 
-void session(double seconds, std::uint64_t seed) {
+void random_session(double seconds, std::uint64_t seed) {
   Seen seen;
   const auto begin = Clock::now();
   while (Clock::now() - begin < std::chrono::duration<double>(seconds) && !testing::Test::HasFatalFailure())
@@ -331,6 +331,6 @@ void session(double seconds, std::uint64_t seed) {
 
 }  // namespace
 
-TEST(HapticsSession, RandomForThreeSeconds) { session(3, 1); }
+TEST(HapticsSession, RandomForThreeSeconds) { random_session(3, 1); }
 
-TEST(LongHapticsSession, RandomForTenMinutes) { session(600, 1000); }
+TEST(LongHapticsSession, RandomForTenMinutes) { random_session(600, 1000); }

@@ -372,6 +372,6 @@ TEST(LessonsOlder, ALogOfBeforeGetsTheNewColumns) {
   EXPECT_EQ(lessons::log_attempt(file, {"head", "ventriculostomy", "p1", "a", "b", "c"}, d.facts, d.score), 1);
   const std::vector<char> bytes = read_file(file, 1 << 20);
   const std::string text(bytes.begin(), bytes.end());
-  EXPECT_NE(text.find(",task,outcome,critical_errors,seal,signature\np0,"), std::string::npos) << text;
-  EXPECT_NE(text.find(",right,completed,,not sealed,\n"), std::string::npos) << text;
+  EXPECT_NE(text.find(",task,outcome,critical_errors,decisions_score,seal,signature\np0,"), std::string::npos) << text;
+  EXPECT_NE(text.find(",right,completed,,,not sealed,\n"), std::string::npos) << text;
 }

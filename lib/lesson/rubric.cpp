@@ -55,15 +55,7 @@ const RubricType& find_type(const std::vector<RubricType>& types, const std::str
   throw Error(ExitCode::bad_input, "", "module", printable(module) + ": there is no rubric of it; known are " + known);
 }
 
-}  // namespace
-
-std::string descending_limit(const std::vector<std::pair<const char*, double>>& limits) {
-  for (std::size_t n = 1; n < limits.size(); ++n)
-    if (limits[n].second < limits[n - 1].second)
-      return std::string(limits[n].first) + ".limit: is below " + limits[n - 1].first;
-  return "";
-}
-
+// An error that is not known, or is listed twice.
 std::string critical_fault(const std::vector<CriticalRule>& rules, const std::vector<std::string>& known) {
   for (std::size_t n = 0; n < rules.size(); ++n) {
     const std::string& name = rules[n].error;
@@ -76,6 +68,23 @@ std::string critical_fault(const std::vector<CriticalRule>& rules, const std::ve
     if (rules[n].why.find_first_not_of(" \t\r\n") == std::string::npos) return "critical: " + name + ": why is blank";
   }
   return "";
+}
+
+}  // namespace
+
+std::string descending_limit(const std::vector<std::pair<const char*, double>>& limits) {
+  for (std::size_t n = 1; n < limits.size(); ++n)
+    if (limits[n].second < limits[n - 1].second)
+      return std::string(limits[n].first) + ".limit: is below " + limits[n - 1].first;
+  return "";
+}
+
+std::string LessonRubric::fault(const std::vector<std::string>& known) const {
+  if (const std::string fault = critical_fault(critical_errors, known); !fault.empty()) return fault;
+  std::vector<std::string> errors;
+  for (const CriticalRule& rule : critical_errors) errors.push_back(rule.error);
+  if (!questions.empty() && !wrong_answers_count) return "wrong_answers_count: is missing beside the questions";
+  return questions_fault(questions, errors);
 }
 
 std::string TimeRubric::fault() const {
@@ -100,7 +109,7 @@ CompiledRubric read_rubric(std::string_view json, const std::vector<RubricType>&
   const auto text = nlohmann::ordered_json::parse(json.begin(), json.end());
   if (sha256_of_bytes(text.at("rubric").dump()) != file.sha256)
     throw Error(ExitCode::bad_input, "", "sha256", "the rubric was changed after `trephine rubric` compiled it");
-  return {type.module, file.rubric, file.sha256};
+  return {type.module, file.rubric, file.sha256, &type.common(file.rubric)};
 }
 
 }  // namespace trephine::lesson

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/params.h"
+#include "lesson/questions.h"
 
 namespace trephine::lesson {
 
@@ -53,9 +55,6 @@ struct CriticalRule {
     v.text(&P::why_de, "why_de", "The same in German; a German page shows `why` where it is left out.");
   }
 };
-/// What is wrong with such a list, as a struct's fault() says it: an error that is not known, or is listed twice; "".
-std::string critical_fault(const std::vector<CriticalRule>& rules, const std::vector<std::string>& known);
-
 /// "Time to complete procedure".
 struct TimeRubric {
   RubricLimit ideal_s, good_s, acceptable_s, allotted_s;
@@ -92,11 +91,34 @@ struct FourLimits {
   }
 };
 
+/// What every lesson's rubric has beside its own limits; a lesson's rubric derives from it.
+struct LessonRubric {
+  std::vector<CriticalRule> critical_errors;
+  std::vector<Question> questions;
+  std::optional<FourLimits> wrong_answers_count;
+  template <class V>
+  static void describe(V& v) {
+    using P = LessonRubric;
+    v.list(&P::critical_errors, "critical_errors", "What fails a lesson, whatever the sum.").at_most(16);
+    v.list(&P::questions, "questions", "What the participant is asked.").at_most(most_questions).not_always();
+    v.group(&P::wrong_answers_count, "wrong_answers_count",
+            "How many questions were not answered rightly and in time: the row of decisions.");
+  }
+  /// `known`: the critical errors that the lesson knows.
+  std::string fault(const std::vector<std::string>& known) const;
+};
+
 /// The rubric of a lesson: what its folder declares (simulator/lessons/rubric_types.h).
 struct RubricType {
   std::string module;  ///< as the rubric's own key `module` says
   AnyParams (*make)() = nullptr;
+  const LessonRubric& (*common)(const AnyParams&) = nullptr;
 };
+template <class R>
+RubricType rubric_type(const char* module) {
+  return {module, [] { return AnyParams::make<R>(); },
+          [](const AnyParams& rubric) -> const LessonRubric& { return rubric.as<R>(); }};
+}
 
 /// The compiled rubric: JSON of all values, with a version and the SHA-256 of what it says. Version 1 had no critical
 /// errors; such a file is read as before, and fails nobody.
@@ -106,6 +128,7 @@ struct CompiledRubric {
   std::string module;
   AnyParams rubric;
   std::string sha256;
+  const LessonRubric* common = nullptr;  ///< of `rubric`, which keeps it
 };
 /// Throws Error 65, naming the field, where it is no compiled rubric, of another version, of a lesson that is not
 /// `known`, changed since it was compiled, or says what the declaration does not allow.

@@ -203,6 +203,7 @@ class Exercise {
     o.script = script;
     o.participant = params_.participant;
     o.task = task;
+    o.rubric = &*rubric_;
     o.hand = parsed_.params<device::HandParams>();
     o.aim = parsed_.params<lessons::ScriptAim>();
     session::FeltCase felt(c.folder, "");

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <iostream>
+#include <optional>
 
 #include "base/error.h"
 #include "base/progress.h"
@@ -9,6 +10,7 @@
 #include "cli/command.h"
 #include "lesson/approval.h"
 #include "lessons/lesson_run.h"
+#include "lessons/score_recording.h"
 
 namespace trephine::commands {
 namespace {
@@ -45,6 +47,8 @@ ExitCode run_lesson_command(const cli::ParsedCommand& parsed) {
   o.script = lessons::read_lesson_script(parsed.path("script"));
   if (!p.module.empty() && o.script.module != p.module)
     throw Error(ExitCode::usage, parsed.text("script"), "module", o.script.module + ", but --module is " + p.module);
+  std::optional<lesson::CompiledRubric> rubric;
+  if (parsed.has("rubric")) o.rubric = &rubric.emplace(lessons::read_rubric_file(parsed.path("rubric")));
   o.hand = parsed.params<device::HandParams>();
   o.aim = parsed.params<lessons::ScriptAim>();
   o.contact = parsed.params<contact::ContactParams>();
@@ -87,7 +91,11 @@ const cli::OwnCommand lesson_command([] {
   cli::Argument script = cli::argument("script", Kind::in_file, "What the hand does (.json).");
   cli::Argument record = cli::argument("record", Kind::out_file, "Write the recording to this file.");
   script.required = record.required = true;
-  c.arguments = {folder, script, record};
+  c.arguments = {
+      folder, script, record,
+      cli::argument("rubric", Kind::in_file,
+                    "The compiled rubric (.json) by which it will be judged: the recording names it, and the "
+                    "script can answer its questions.")};
   c.groups = {cli::ParameterGroup::of<LessonParams>("Parameters"),
               cli::ParameterGroup::of<lessons::ScriptAim>("How well it aims"),
               cli::ParameterGroup::of<device::HandParams>("Simulated hand"),

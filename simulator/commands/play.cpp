@@ -25,7 +25,7 @@ constexpr const char* screen = "mouse";
 struct PlayParams {
   double seconds = 0;
   int remote = -1, head_port = -1;
-  bool remote_tells_all = false;
+  bool remote_tells_all = false, questions = true;
   template <class V>
   static void describe(V& v) {
     using P = PlayParams;
@@ -36,6 +36,10 @@ struct PlayParams {
     v.flag(&P::remote_tells_all, "remote_tells_all",
            "In a lesson, answer `state` with what the tip is in, what it touches and how deep it lies, which a trainee "
            "does not see: for a teacher's program and for tests.");
+    v.flag(
+        &P::questions, "questions",
+        "In a lesson, ask what the rubric asks: the time-out before the first cut, what to do after a critical error, "
+        "and what comes at the end.");
     v.integer(&P::head_port, "head_port", Range{-1, 65535},
               "Port of the loopback interface on which a tracker that sends the printed token says where the user's "
               "head is; 0: any port that is free; -1: none.");
@@ -50,6 +54,7 @@ window::LessonPlay lesson_of(const cli::ParsedCommand& parsed) {
   if (parsed.has("participant")) l.participant = parsed.text("participant");
   lesson::validate_token(l.participant, "--participant");
   l.task = parsed.text("task");
+  l.questions = parsed.params<PlayParams>().questions;
   l.approved_sha256 = parsed.text("approved_sha256");
   for (const char* other : {"playback", "before", "shape"})
     if (parsed.has(other)) throw Error(ExitCode::usage, "", std::string("--lesson, --") + other, "do not go together");

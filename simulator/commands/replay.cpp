@@ -12,6 +12,7 @@
 #include "commands/session_options.h"
 #include "haptics/force_changes.h"
 #include "haptics/recording.h"
+#include "session/force_figures.h"
 #include "session/playback.h"
 #include "sound/drill_sound.h"
 
@@ -24,7 +25,7 @@ const Remedy not_this_program{
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(const haptics::ForceFigures& f) {
+Json json_of(const session::ForceFigures& f) {
   return {{"frames", f.frames},
           {"touching", f.touching},
           {"anomaly_ratio", f.anomaly_ratio},
@@ -56,7 +57,7 @@ void print(const char* what, const haptics::ForceChanges& c) {
                            what, c.ticks, above, c.named, c.max_n_per_ms);
 }
 
-void print(const char* what, const haptics::ForceFigures& f) {
+void print(const char* what, const session::ForceFigures& f) {
   if (f.frames == 0) {
     std::cout << what << ": no contact to judge forces by\n";
     return;
@@ -133,9 +134,9 @@ ExitCode run_replay(const cli::ParsedCommand& parsed) {
   const std::uint64_t missing = haptics::missing_frames(recording.frames);
   if (missing > 0) std::cout << fmt::format("{} frames are missing: they were not recorded\n", missing);
   if (recording.seal == haptics::Seal::absent) std::cout << "not sealed: made into a pipe or by an older program\n";
-  const haptics::ForceWindow window = haptics::force_window(recording.frames);
-  const haptics::ForceFigures was = haptics::force_figures(recording.frames, window),
-                              is = haptics::force_figures(replayed, window);
+  const session::ForceWindow window = session::force_window(recording.frames);
+  const session::ForceFigures was = session::force_figures(recording.frames, window),
+                              is = session::force_figures(replayed, window);
   print("recorded", was);
   if (other) print("replayed", is);
   const haptics::ForceChanges all = haptics::force_changes(recording.frames, false),

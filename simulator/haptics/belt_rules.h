@@ -34,6 +34,11 @@ constexpr int new_of(std::uint32_t buttons, std::uint32_t before) {
   const int command = belt_button::command(buttons);
   return command == belt_button::command(before) ? none : command;
 }
+/// An answer to a question of a lesson: the choice of that number to the question of that number.
+constexpr int answer(int question, int choice) { return 0x80 | question << 3 | choice; }
+constexpr bool is_answer(int command) { return (command & 0x80) != 0; }
+constexpr int question_of(int answer) { return answer >> 3 & 0xf; }
+constexpr int choice_of(int answer) { return answer & 7; }
 constexpr bool takes_back(int command) { return command == undo || command == reset; }
 }  // namespace belt_command
 

@@ -18,7 +18,7 @@ namespace trephine::haptics {
 
 /// The one version that is written and read. Whatever changes forces, the header or the frames raises it and removes
 /// what it replaces.
-constexpr int recording_version = 13;
+constexpr int recording_version = 14;
 
 /// What was cut.
 struct RecordedCutting {
@@ -45,6 +45,18 @@ struct RecordedCutting {
   }
 };
 
+/// A question that a lesson asks (lesson/questions.h), with the answers that it offers in the order of their numbers,
+/// by their names. An answer is a command of the buttons (belt_command::answer).
+struct AskedQuestion {
+  std::string question;
+  std::vector<std::string> choices;
+  template <class V>
+  static void describe(V& v) {
+    v.text(&AskedQuestion::question, "question", "Its name in the rubric.");
+    v.words(&AskedQuestion::choices, "choices", "The answers that are offered, in the order of their numbers.");
+  }
+};
+
 /// The header of a recording: everything besides the case that its replay needs.
 struct RecordingHeader {
   std::string case_token, case_sha256;  ///< and of its case.json, which holds the hash of all else
@@ -64,6 +76,8 @@ struct RecordingHeader {
   std::vector<BeltToolParams> tools;  ///< of a lesson; empty: `tool` alone
   std::string lesson, participant;    ///< the module, and an anonymous token; with tools only
   std::string task;                   ///< what was asked for in the lesson
+  std::string rubric_sha256;          ///< of the rubric by which it was to be judged; empty: none was given
+  std::vector<AskedQuestion> asked;   ///< in the order of their numbers; empty: nothing was asked
   /// Of the voxels at its begin, where an earlier session had cut some; else empty.
   std::string begins_sha256;
   std::optional<RecordedCutting> outcome;  ///< where the tool cut; not in a recording that was not finished
@@ -90,6 +104,8 @@ struct RecordingHeader {
                              in.text(&P::lesson, "module", "Its module.");
                              in.text(&P::participant, "participant", "An anonymous token.");
                              in.text(&P::task, "task", "What was asked for.");
+                             in.text(&P::rubric_sha256, "rubric_sha256", "The rubric that was announced.");
+                             in.list(&P::asked, "asked", "What was asked.").not_always();
                              in.list(&P::tools, "tools", "Its tools.");
                            }),
                  [](const P& h) { return !h.tools.empty(); });
@@ -142,25 +158,6 @@ std::uint64_t missing_frames(const std::vector<ServoFrame>& frames);
 
 /// SHA-256 of all numbers of the materials as they were felt.
 std::string feel_digest(const Feels& feels);
-
-/// How good forces are, by the measure of [Rizzi, chapter 4] and by what that measure leaves out.
-struct ForceFigures {
-  std::uint64_t frames = 0, touching = 0;
-  double anomaly_ratio = 0;     ///< share of d|F|/dt (central differences) outside mean +- 10 sigma
-  double zero_force_ratio = 0;  ///< frames without force
-  double max_step_n = 0, sigma_n_per_s = 0, mean_force_n = 0, most_force_n = 0;
-  double mean_lag_mm = 0,
-         max_lag_mm = 0;  ///< while touching: distance of the proxy behind the device, along the surface
-};
-/// The frames by which forces are judged, [begin, end): from `settle_s` after the first contact, when the tool has
-/// struck the surface, to the end, because a contact that is lost for good counts most. Empty where there is no
-/// contact.
-struct ForceWindow {
-  std::size_t begin = 0, end = 0;
-};
-ForceWindow force_window(const std::vector<ServoFrame>& frames, double settle_s = 0.5);
-/// The figures of the window; all are zero where it is empty.
-ForceFigures force_figures(const std::vector<ServoFrame>& frames, const ForceWindow& window);
 
 /// Runs the recording's poses, buttons, steps and lost device through the proxy, and where it is given the drilling.
 /// The returned frames hold their answers.

@@ -111,6 +111,7 @@ std::vector<std::pair<std::string, std::string>> attempt_columns(const LessonTyp
   c.emplace_back("task", "what was asked for; empty: nothing");
   c.emplace_back("outcome", "completed, not completed, or failed by a critical error");
   c.emplace_back("critical_errors", "those that happened, by name, with + between them");
+  c.emplace_back("decisions_score", "1 to 5, of what was asked; empty: nothing was");
   c.emplace_back("seal", "sealed, not sealed (written into a pipe), or broken seal, where the recording was trusted");
   c.emplace_back("signature", "signed by the teacher whose key was given, not signed; empty: no key was given");
   return c;
@@ -131,8 +132,10 @@ std::string attempt_line(const ReportHead& head, const LessonFacts& facts, const
   std::string critical;
   for (const CriticalError& e : score.critical) critical += (critical.empty() ? "" : "+") + e.rule.error;
   line += "," + head.motion_sha256 + "," + head.checked() + "," + repeats;
-  line += "," + facts.task + "," + name_of(score.outcome()) + "," + critical + "," + haptics::name_of(head.seal) + "," +
-          name_of(head.signature);
+  line += "," + facts.task + "," + name_of(score.outcome()) + "," + critical;
+  const ScoreRow* decisions = score.row("decisions");
+  line += "," + (decisions ? std::to_string(*decisions->score) : std::string());
+  line += std::string(",") + haptics::name_of(head.seal) + "," + name_of(head.signature);
   return line;
 }
 

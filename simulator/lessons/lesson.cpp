@@ -29,6 +29,15 @@ void Lesson::look_at_speed(const haptics::ServoFrame& f, const haptics::ToolBelt
   facts.fastest_s = f.time_s;
 }
 
+void Lesson::look_for_cut(const haptics::ServoFrame& f, const haptics::ToolBelt& belt, int command) {
+  LessonFacts& facts = noted();
+  if (facts.first_cut_s >= 0 || belt.paused()) return;
+  bool cut = f.inside != 0 || (command == haptics::belt_command::incise && belt.has_mark());
+  if (f.buttons & haptics::belt_button::pedal)
+    for (int shape = 1; shape <= voxel::haptic_max_shapes; ++shape) cut = cut || belt.removed_units(shape) > 0;
+  if (cut) facts.first_cut_s = f.time_s;
+}
+
 double LessonFacts::procedure_s() const { return std::round(1e6 * (end_s - begin_s - paused_s)) / 1e6; }
 
 void Lesson::watch(const haptics::ServoFrame& f, const haptics::ToolBelt& belt) {
@@ -58,8 +67,16 @@ void Lesson::watch(const haptics::ServoFrame& f, const haptics::ToolBelt& belt) 
   }
   was_paused_ = belt.paused();
   look_at_speed(f, belt);
+  look_for_cut(f, belt, fresh ? now : haptics::belt_command::none);
   tick(f, belt, !belt.paused() && (f.buttons & haptics::belt_button::pedal));
   if (!fresh) return;
+  if (haptics::belt_command::is_answer(now)) {
+    const GivenAnswer given{haptics::belt_command::question_of(now), haptics::belt_command::choice_of(now), f.time_s};
+    if (std::none_of(facts.answers.begin(), facts.answers.end(),
+                     [&](const GivenAnswer& a) { return a.question == given.question; }))
+      facts.answers.push_back(given);
+    return;
+  }
   if (now != haptics::belt_command::finish) {
     facts.undone += now == haptics::belt_command::undo || now == haptics::belt_command::reset;
     if (!belt.paused()) command(now, f, belt);

@@ -3,6 +3,7 @@
 #include <deque>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "haptics/frame.h"
 #include "haptics/tool_belt.h"
@@ -15,6 +16,12 @@ constexpr double insertion_window_s = 0.1;
 
 enum class LessonEnd { running, finished, device_lost };
 const char* name_of(LessonEnd end);
+
+/// An answer to a question, by the numbers of the recording's list.
+struct GivenAnswer {
+  int question = 0, choice = 0;
+  double time_s = 0;
+};
 
 /// What every lesson notes; a module's facts derive from it. Times are of the recording, s.
 struct LessonFacts {
@@ -31,6 +38,9 @@ struct LessonFacts {
   lesson::Sighting seen = lesson::Sighting::none;  ///< then: of the instrument that was put in
   LessonEnd end = LessonEnd::running;              ///< running: the recording ends before the lesson did
   double most_force_n = 0;
+  std::vector<GivenAnswer> answers;  ///< the first to each question
+  /// When the patient was first cut, drilled or entered by a tool; -1: never. Marks on the skin are no cut.
+  double first_cut_s = -1;
   double fastest_mm_per_s = 0, fastest_s = 0;  ///< how fast a tool went forward in the patient at most, and when
 
   double procedure_s() const;  ///< to a microsecond: sums of steps are no exact multiples
@@ -60,6 +70,7 @@ class Lesson {
 
  private:
   void look_at_speed(const haptics::ServoFrame& frame, const haptics::ToolBelt& belt);
+  void look_for_cut(const haptics::ServoFrame& frame, const haptics::ToolBelt& belt, int command);
   struct Moment {
     double time_s;
     Vec3 tip_mm;

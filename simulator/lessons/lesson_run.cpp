@@ -11,6 +11,7 @@
 #include "base/progress.h"
 #include "base/refusal.h"
 #include "lesson/approval.h"
+#include "lessons/decisions.h"
 #include "lessons/hand_limits.h"
 
 namespace trephine::lessons {
@@ -36,6 +37,14 @@ haptics::RecordingHeader header_of(const session::FeltCase& felt, const LessonOp
     task_of(type, felt.loaded.manifest, h.task);
   else if (const std::vector<LessonTask> all = offered_tasks(type, felt.loaded.manifest); !all.empty())
     h.task = all.front().name;
+  if (o.script.answers() && !o.rubric)
+    throw Error(ExitCode::usage, "", "--rubric", "is needed where the script answers questions: it has them");
+  if (o.rubric) {
+    if (o.rubric->module != o.script.module)
+      throw Error(ExitCode::usage, "", "--rubric",
+                  "is of " + o.rubric->module + ", and the lesson is " + o.script.module);
+    h.rubric_sha256 = o.rubric->sha256;
+  }
   return h;
 }
 
@@ -84,12 +93,16 @@ LessonResult run_lesson(session::FeltCase& felt, const LessonOptions& o, const s
   LessonResult result;
   haptics::RecordingHeader& header = result.recording.header;
   header = header_of(felt, o);
+  std::vector<OfferedQuestion> questions;
+  if (o.script.answers()) questions = questions_for(*o.rubric->common, module, manifest, header.task, o.participant);
+  header.asked = as_asked(questions);
   contact::ContactVolume contact(felt.loaded.haptic, o.contact);
   const std::unique_ptr<haptics::Drilling> drilling = felt.drilling_of(header, contact);
   haptics::ToolBelt belt(contact, felt.feels, o.force, o.shaft, header.tools, drilling.get());
-  ScriptedHand hand(
-      o.hand,
-      module.plan(o.script, {manifest, contact, header.tools, haptics::drilled_shapes(manifest.haptic)}, o.aim));
+  ScriptedHand hand(o.hand, module.plan(o.script,
+                                        {manifest, contact, header.tools, haptics::drilled_shapes(manifest.haptic),
+                                         std::move(questions)},
+                                        o.aim));
   haptics::FrameQueue queue(ticks_at_once);
   haptics::ServoParams params = o.servo;
   params.paced = params.realtime = false;

@@ -6,6 +6,7 @@
 
 #include "haptics/recording.h"
 #include "haptics/servo.h"
+#include "lesson/rubric.h"
 #include "lessons/lesson_type.h"
 #include "session/felt_case.h"
 
@@ -22,8 +23,9 @@ struct LessonOptions {
   haptics::DrillingParams drilling;  ///< `drill` is set where the case has bone to be drilled
   drill::DrillParams law;
   std::string participant = "anonymous";
-  std::string task;      ///< what is asked for; empty: what the script says, else what is usual in the case
-  double most_s = 7200;  ///< of the lesson's time; then it ends unfinished
+  std::string task;  ///< what is asked for; empty: what the script says, else what is usual in the case
+  const lesson::CompiledRubric* rubric = nullptr;  ///< by which it will be judged, and whose questions a script answers
+  double most_s = 7200;                            ///< of the lesson's time; then it ends unfinished
 };
 
 struct LessonResult {
@@ -33,7 +35,8 @@ struct LessonResult {
 };
 
 /// Does the script in the case, through the servo loop as fast as it goes, and returns the recording as it would be
-/// read from a file. The case's haptic volume is drilled. Throws as the module does, and ToolBelt;
+/// read from a file. The case's haptic volume is drilled. Throws as the module does, and ToolBelt; Error 64 where the
+/// script answers questions and no rubric is given, or one of another lesson is;
 /// Cancelled through `stop`: what was done until then is lost.
 LessonResult run_lesson(session::FeltCase& felt, const LessonOptions& options, const std::atomic<bool>& stop);
 

@@ -15,12 +15,17 @@ std::vector<StepChoice> with_common_steps(std::vector<StepChoice> own) {
   all.insert(all.end(), own.begin(), own.end());
   for (const StepChoice& s :
        {script_step<WithdrawStep>("withdraw", "Draws the tool back."),
-        script_step<WaitStep>("wait", "Stays where it is."), script_step("pause", "Stops the lesson's clock."),
-        script_step("resume", "Lets the lesson go on."),
+        script_step<WaitStep>("wait", "Stays where it is."),
+        script_step<AnswerStep>("answer", "Answers a question of the rubric."),
+        script_step("pause", "Stops the lesson's clock."), script_step("resume", "Lets the lesson go on."),
         script_step("finish", "Ends the lesson with the tool where it is."),
         script_step("lose_device", "The device is gone, as when its cable is pulled.")})
     all.push_back(s);
   return all;
+}
+
+bool LessonScript::answers() const {
+  return std::any_of(steps.begin(), steps.end(), [](const auto& step) { return step.first == "answer"; });
 }
 
 std::vector<std::string> LessonScript::modules() { return lesson_names(); }

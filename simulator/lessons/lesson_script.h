@@ -66,6 +66,15 @@ struct WaitStep {
   }
 };
 
+struct AnswerStep {
+  std::string question, choice;
+  template <class V>
+  static void describe(V& v) {
+    v.text(&AnswerStep::question, "question", "The question, as the rubric calls it.").is_required();
+    v.text(&AnswerStep::choice, "choice", "The answer by its name; by default the right one.");
+  }
+};
+
 struct LessonScript {
   std::string module, task;
   Steps steps;
@@ -77,6 +86,7 @@ struct LessonScript {
            "What is asked for, as `right` or `pedicle_2_left`; by default what is usual in the case.");
     v.steps(&P::steps, "steps", steps_of_all(), "What the hand does, in this order.").is_required();
   }
+  bool answers() const;  ///< whether there is a step `answer`: only then is the hand asked
   static std::vector<std::string> modules();
   static std::vector<StepChoice> steps_of_all();
 };
@@ -86,7 +96,8 @@ template <class P = NothingDeclared>
 StepChoice script_step(const char* name, const char* help) {
   return {name, help, &parameters_of<P>()};
 }
-/// What a script of any lesson may say: take, withdraw, wait, pause, resume, finish, lose_device. `own` are the
+/// What a script of any lesson may say: take, withdraw, wait, answer, pause, resume, finish,
+/// lose_device. `own` are the
 /// module's further steps.
 std::vector<StepChoice> with_common_steps(std::vector<StepChoice> own);
 

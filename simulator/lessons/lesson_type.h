@@ -9,6 +9,7 @@
 #include "cases/load_case.h"
 #include "fluoro/carm.h"
 #include "lessons/lesson.h"
+#include "lessons/lesson_text.h"
 #include "lessons/scripted_hand.h"
 #include "texts/language.h"
 #include "texts/phrase.h"
@@ -51,12 +52,6 @@ struct LessonStatus {
   std::string name, label, value;
 };
 
-/// What a lesson says, in each language of texts/language.h, English first. Steps, why and sign, labels and values are
-/// looked up by their English words (lesson_words); words that the window knows for every lesson ("Passes") stand
-/// there. So are the rows' titles and reasons, critical errors, and what outcome() and headline() say.
-struct LessonText {
-  std::string in[2];
-};
 inline void append(std::vector<LessonText>& texts, const std::vector<LessonText>& more) {
   texts.insert(texts.end(), more.begin(), more.end());
 }

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lessons/move_plan.h"
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "base/splitmix64.h"
+#include "base/text.h"
 
 namespace trephine::lessons {
 namespace {
@@ -81,9 +84,32 @@ void MovePlan::take(const TakeStep& s) {
   throw Error(ExitCode::bad_input, "", "tool", s.tool + ": the lesson has " + known);
 }
 
+void MovePlan::answer(const AnswerStep& s) {
+  const auto named = [](const std::vector<std::string>& names) {
+    std::string all;
+    for (const std::string& n : names) all += (all.empty() ? "" : ", ") + n;
+    return all.empty() ? std::string("none") : all;
+  };
+  std::vector<std::string> known;
+  for (std::size_t n = 0; n < scene_.questions.size(); ++n) {
+    const OfferedQuestion& q = scene_.questions[n];
+    known.push_back(q.question);
+    if (q.question != s.question) continue;
+    const auto at = std::find(q.choices.begin(), q.choices.end(), s.choice.empty() ? q.right : s.choice);
+    if (at == q.choices.end())
+      throw Error(ExitCode::bad_input, "", "choice", printable(s.choice) + ": the question offers " + named(q.choices));
+    HandMove m = move();
+    m.command = haptics::belt_command::answer(int(n), int(at - q.choices.begin()));
+    m.wait_s = 0.1;
+    return add(m);
+  }
+  throw Error(ExitCode::bad_input, "", "question", printable(s.question) + ": the rubric has " + named(known));
+}
+
 void MovePlan::step(const std::string& name, const AnyParams& params) {
   if (name == "take") return take(params.as<TakeStep>());
   if (name == "withdraw") return withdraw(params.as<WithdrawStep>());
+  if (name == "answer") return answer(params.as<AnswerStep>());
   HandMove m = move();
   m.wait_s = 0.1;
   if (name == "wait") {

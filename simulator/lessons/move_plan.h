@@ -47,6 +47,7 @@ class MovePlan {
 
  private:
   void take(const TakeStep& s);
+  void answer(const AnswerStep& s);
 };
 
 /// Lets the plan do the steps of the script. Throws Error 65, naming the step.

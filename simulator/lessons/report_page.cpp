@@ -54,6 +54,12 @@ constexpr Wording motion_heads[] = {{{"figure", "Größe"}}, {{"measured", "geme
 constexpr Wording to_word{{"to", "bis"}};
 constexpr Wording motion_note{{"These figures score nothing. docs/how-to/study.md says how they are measured.",
                                "Diese Größen geben keine Punkte. docs/how-to/study.md sagt, wie sie gemessen werden."}};
+constexpr Wording decisions_words{{"Questions and answers", "Fragen und Antworten"}};
+constexpr Wording decision_heads[] = {{{"question", "Frage"}}, {{"answer", "Antwort"}}, {{"right is", "richtig ist"}}};
+constexpr Wording answer_words[] = {{{"not answered", "nicht beantwortet"}},  // AnswerState
+                                    {{"right", "richtig"}},
+                                    {{"wrong", "falsch"}},
+                                    {{"after the cut", "nach dem Schnitt"}}};
 constexpr Wording advice_words{{"Next time", "Beim nächsten Mal"}};
 constexpr Wording title_words{{"{} in {}: {} of {} points, {}", "{} in {}: {} von {} Punkten, {}"}};
 constexpr Wording participant_words{{"participant {} · {} · {:.1f} s · {} · not a medical device",
@@ -108,6 +114,21 @@ std::string rows_html(const LessonScore& score, Language language) {
                        row.score ? fmt::format("{} / 5", *row.score) : words("not judged"), measured, limits,
                        row.decided_s ? fmt::format("{:.1f} s", *row.decided_s) : "");
   }
+  return out + "</table>\n";
+}
+
+// What was asked, what was answered, and what is right with its reason.
+std::string decisions_html(const LessonScore& score, Language language) {
+  if (score.decisions.empty()) return "";
+  std::string out = std::string("<h2>") + decisions_words.of(language) + "</h2>\n<table><tr>";
+  for (const Wording& w : decision_heads) out += std::string("<th>") + w.of(language);
+  out += "</tr>\n";
+  for (const Decision& d : score.decisions)
+    out +=
+        fmt::format("<tr><td>{}<td>{}<br><b>{}</b>{}<td>{}<br><span class=\"faint\">{}</span></tr>\n",
+                    escaped(d.text.of(language)), escaped(d.given_text.of(language)),
+                    answer_words[std::size_t(d.state)].of(language), d.at_s ? fmt::format(" ({:.1f} s)", *d.at_s) : "",
+                    escaped(d.right_text.of(language)), escaped(d.why.of(language)));
   return out + "</table>\n";
 }
 
@@ -234,7 +255,7 @@ std::string report_page(const ReportHead& head, const LessonFacts& facts, const 
                        say(fits ? signed_words : unsigned_words));
   }
   if (facts.undone > 0) out += "<p><b>" + fmt::format(fmt::runtime(say(undone_words)), facts.undone) + "</b></p>\n";
-  out += rows_html(score, language) + advice_html(score, language);
+  out += rows_html(score, language) + decisions_html(score, language) + advice_html(score, language);
   if (!facts.from_scan) out += steps_html(guide_of(module, facts), language);
   if (!recording.frames.empty())
     out += std::string("<h2>") + say(forces_words) + "</h2>\n" + forces_html(score, recording, language);

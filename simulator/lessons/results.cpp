@@ -66,6 +66,7 @@ AttemptResult report_of(const Json& j) {
   r.recording_sha256 = value_of<std::string>(j, "recording_sha256", "");
   r.motion_sha256 = value_of<std::string>(j, "motion_sha256", "");
   r.rubric_sha256 = value_of<std::string>(j, "rubric_sha256", "");
+  r.announced_rubric_sha256 = value_of<std::string>(j, "announced_rubric_sha256", "");
   r.points = j.at("points").get<int>();
   r.most_points = j.at("most_points").get<int>();
   for (const Json& row : j.at("rows")) {

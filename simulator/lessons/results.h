@@ -22,7 +22,7 @@ struct ResultRow {
 struct AttemptResult {
   std::string report;  ///< the file's name without its extension
   std::string participant, module, case_token, task, outcome, reason, checked, seal, recording_sha256, motion_sha256,
-      rubric_sha256;
+      rubric_sha256, announced_rubric_sha256;
   std::string group, level, phase;  ///< of the plan; empty: it says none
   int attempt = 1;                  ///< counts the participant's motions of the module, in the plan's order
   int points = 0, most_points = 0;

@@ -11,6 +11,11 @@ const char* name_of(LessonOutcome outcome) {
   return names[int(outcome)];
 }
 
+const char* name_of(AnswerState state) {
+  constexpr const char* names[] = {"not answered", "right", "wrong", "after the cut"};
+  return names[int(state)];
+}
+
 const LessonFigure& LessonScore::figure(const std::string& name) const {
   for (const LessonFigure& f : figures)
     if (f.name == name) return f;

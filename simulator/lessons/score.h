@@ -8,6 +8,7 @@
 
 #include "lesson/rubric.h"
 #include "lessons/directions.h"
+#include "lessons/lesson_text.h"
 #include "texts/phrase.h"
 
 namespace trephine::lessons {
@@ -38,6 +39,19 @@ struct CriticalError {
   std::optional<double> at_s;
 };
 
+/// late: after the patient was cut, of a question that comes before that.
+enum class AnswerState { missing, right, wrong, late };
+const char* name_of(AnswerState state);
+
+/// What was asked and what was answered, with the texts in each language of texts/language.h.
+struct Decision {
+  std::string question, when;  ///< as the rubric has them
+  std::string given;           ///< the answer's name; empty: none
+  AnswerState state = AnswerState::missing;
+  std::optional<double> at_s;
+  LessonText text, given_text, right_text, why;
+};
+
 /// failed: a critical error happened, whatever the sum. completed: the goal was reached, and nothing of that sort.
 enum class LessonOutcome { not_completed, completed, failed };
 const char* name_of(LessonOutcome outcome);
@@ -59,7 +73,8 @@ texts::Phrase doubtful(const texts::Phrase& what);
 struct LessonScore {
   std::vector<ScoreRow> rows;
   std::vector<CriticalError> critical;
-  texts::Phrase unreached;  ///< why the lesson's goal was not reached; empty: it was
+  std::vector<Decision> decisions;  ///< in the order of the recording; those that were asked
+  texts::Phrase unreached;          ///< why the lesson's goal was not reached; empty: it was
   LessonOutcome outcome() const {
     return !critical.empty()   ? LessonOutcome::failed
            : unreached.empty() ? LessonOutcome::completed

@@ -95,7 +95,11 @@ void score_anew(Results& results, const ScoreAnew& params) {
       require_same(r, now);
     else
       results.notes.push_back({"{}: was scored by another rubric, and is scored anew", {r.report}});
-    now.signature = signature_of(now.recording_sha256, recording, params.public_key);
+    now.signature = signature_for(signature_of(now.recording_sha256, recording, params.public_key),
+                                  now.announced_rubric_sha256, params.rubric);
+    if (now.signature == Signature::of_another_rubric)
+      results.notes.push_back({"{}: what is signed names {} rubric: not signed",
+                               {r.report, now.announced_rubric_sha256.empty() ? "no" : "another"}});
     if (now.signature == Signature::of_other_bytes)
       results.notes.push_back({"{}: its signature is of another recording: not signed", {r.report}});
     if (now.signature == Signature::by_another_key)

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lessons/score_recording.h"
 
+#include <algorithm>
+
 #include "base/error.h"
+#include "base/refusal.h"
 #include "base/write_file.h"
 #include "lesson/approval.h"
 #include "lessons/attempts.h"
+#include "lessons/decisions.h"
 #include "lessons/motion.h"
 #include "lessons/report_page.h"
 #include "lessons/rubric_types.h"
@@ -19,13 +23,33 @@ lesson::CompiledRubric read_rubric_file(const std::filesystem::path& file) {
   });
 }
 
+namespace {
+
+// Of the rubric that was announced they follow; whoever struck one from the recording would not be asked.
+void require_same_questions(const haptics::RecordingHeader& h, const LessonFacts& facts, const LessonType& type,
+                            const cases::CaseManifest& manifest, const lesson::CompiledRubric& rubric,
+                            const std::filesystem::path& file) {
+  if (h.asked.empty() ? facts.answers.empty() : h.rubric_sha256 != rubric.sha256) return;
+  const std::vector<OfferedQuestion> all = questions_for(*rubric.common, type, manifest, h.task, h.participant);
+  const bool same =
+      std::equal(all.begin(), all.end(), h.asked.begin(), h.asked.end(),
+                 [](const auto& a, const auto& b) { return a.question == b.question && a.choices == b.choices; });
+  if (same) return;
+  throw refusal("lesson.asked", "are not the questions of the rubric that the recording names",
+                {"take the recording as it was made, or do the `lesson` again"})
+      .in_file(file.string());
+}
+
+}  // namespace
+
 ScoredLesson score_recording(const std::filesystem::path& file, const std::filesystem::path& case_folder,
                              const lesson::CompiledRubric& rubric, Answers answers,
                              const std::filesystem::path& public_key) {
   ScoredLesson s;
   s.recording = haptics::read_recording(file);
   const haptics::RecordingHeader& h = s.recording.header;
-  const Signature signature = signature_of(s.recording.sha256, file, public_key);
+  const Signature signature =
+      signature_for(signature_of(s.recording.sha256, file, public_key), h.rubric_sha256, rubric);
   require_no_misfit(signature, file);
   if (answers == Answers::replayed) haptics::require_seal(s.recording, file);
   session::FeltCase felt = session::felt_again(case_folder, file.string(), h);
@@ -42,7 +66,10 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
   s.facts = facts_of_recording(felt, file.string(), s.recording, answers);
   if (rubric.module != h.lesson)
     throw Error(ExitCode::bad_input, file.string(), "lesson", h.lesson + ", but the rubric is of " + rubric.module);
-  s.score = lesson_type(h.lesson).score(*s.facts, felt.loaded, before, rubric.rubric);
+  const LessonType& type = lesson_type(h.lesson);
+  s.score = type.score(*s.facts, felt.loaded, before, rubric.rubric);
+  require_same_questions(h, *s.facts, type, felt.loaded.manifest, rubric, file);
+  judge_decisions(s.score, *s.facts, h.asked, *rubric.common, h.case_token);
   s.head = {h.case_token,
             h.lesson,
             h.participant,
@@ -53,6 +80,7 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
             answers == Answers::replayed,
             s.recording.seal,
             signature,
+            h.rubric_sha256,
             motion_figures(s.recording.frames)};
   return s;
 }

@@ -38,6 +38,14 @@ Json json_of(const CriticalError& e) {
           {"why", e.rule.why}};
 }
 
+Json json_of(const Decision& d) {
+  return {{"question", d.question},
+          {"when", d.when},
+          {"answer", d.given.empty() ? Json(nullptr) : Json(d.given)},
+          {"state", name_of(d.state)},
+          {"at_s", d.at_s ? Json(*d.at_s) : Json(nullptr)}};
+}
+
 // What every lesson has, and the module's own.
 Json json_of(const LessonType& module, const LessonFacts& f) {
   Json out = {{"end", name_of(f.end)},
@@ -64,6 +72,11 @@ Json json_of(const LessonType& module, const LessonFacts& f) {
 
 // What the table in the terminal says beside the rows.
 constexpr texts::Wording at_words{{", at {:.1f} s", ", bei {:.1f} s"}}, critical_words{{"CRITICAL", "SCHWERER FEHLER"}},
+    other_rubric_words{
+        {"the recording is signed, and names another rubric or none: these points are not what was signed",
+         "die Aufnahme ist unterschrieben und nennt einen anderen Bewertungsbogen oder keinen: diese "
+         "Punkte wurden nicht unterschrieben"}},
+    decision_words{{"QUESTION: {} {}; right is: {}", "FRAGE: {} {}; richtig ist: {}"}},
     heat_words{{"bone at most {:.1f} degrees, as {:.2g} minutes at 43",
                 "Knochen höchstens {:.1f} Grad, wie {:.2g} Minuten bei 43"}},
     undone_words{{"TAKEN BACK: {} times what was cut", "ZURÜCKGENOMMEN: {} mal, was geschnitten war"}},
@@ -143,6 +156,10 @@ std::string score_json(const ReportHead& head, const LessonFacts& facts, const L
               {"figures", figures},
               {"facts", json_of(lesson_type(head.module), facts)}};
   out["motion"] = motion;
+  out["announced_rubric_sha256"] = head.announced_rubric_sha256;
+  Json decisions = Json::array();
+  for (const Decision& d : score.decisions) decisions.push_back(json_of(d));
+  out["decisions"] = decisions;
   Json feedback = Json::array();
   for (const Advice& a : score.advice)
     feedback.push_back({{"row", a.row}, {"en", a.of(texts::Language::english)}, {"de", a.of(texts::Language::german)}});
@@ -173,6 +190,11 @@ std::string score_text(const ReportHead& head, const LessonFacts& facts, const L
   for (const CriticalError& e : score.critical)
     text += fmt::format("{}: {}{}\n", say(critical_words), words(e.what),
                         e.at_s ? fmt::format(fmt::runtime(say(at_words)), *e.at_s) : "");
+  for (const Decision& d : score.decisions)
+    if (d.state != AnswerState::right)
+      text += fmt::format(fmt::runtime(say(decision_words)), d.text.of(language), words(name_of(d.state)),
+                          d.right_text.of(language)) +
+              "\n";
   if (facts.max_bone_c > 0)
     text += fmt::format(fmt::runtime(say(heat_words)), facts.max_bone_c, facts.heat_dose_min) + "\n";
   if (facts.undone > 0) text += fmt::format(fmt::runtime(say(undone_words)), facts.undone) + "\n";
@@ -181,6 +203,7 @@ std::string score_text(const ReportHead& head, const LessonFacts& facts, const L
   if (!head.measured && head.seal == haptics::Seal::absent) text += std::string(say(unsealed_words)) + "\n";
   if (head.seal == haptics::Seal::broken) text += std::string(say(broken_words)) + "\n";
   if (head.signature != Signature::not_asked) text += std::string(name_of(head.signature)) + "\n";
+  if (head.signature == Signature::of_another_rubric) text += std::string(say(other_rubric_words)) + "\n";
   for (const Advice& a : score.advice) text += a.of(language) + "\n";
   for (const std::string& sentence : motion_advice(head.motion, head.experts, language)) text += sentence + "\n";
   text += headline_of(score, language) + "\n";

@@ -18,6 +18,7 @@ struct ReportHead {
   bool replayed = false;                                     ///< else the recording's answers were trusted
   haptics::Seal seal = haptics::Seal::absent;                ///< of the recording
   Signature signature = Signature::not_asked;
+  std::string announced_rubric_sha256 = {};                 ///< as the recording names it; empty: none
   std::vector<std::pair<std::string, double>> motion = {};  ///< motion_figures()
   std::vector<ExpertBand> experts = {};                     ///< beside which they are shown; none: by themselves
   texts::Language language = texts::Language::english;      ///< of page and table; the JSON is for programs

@@ -7,7 +7,7 @@
 #include "cases/case.h"
 #include "contact/contact.h"
 #include "device/simulated_hand.h"
-#include "haptics/tool_belt.h"
+#include "haptics/recording.h"
 #include "lessons/lesson_script.h"
 
 namespace trephine::lessons {
@@ -39,11 +39,17 @@ struct ScriptAim {
   }
 };
 
+/// A question as a recording has it (haptics::AskedQuestion), with its right answer.
+struct OfferedQuestion : haptics::AskedQuestion {
+  std::string right;
+};
+
 struct ScriptScene {
   const cases::CaseManifest& manifest;
   const contact::ContactVolume& contact;
   std::vector<haptics::BeltToolParams> tools;
   std::uint64_t drilled = 0;  ///< the shapes that can be drilled, bit n for shape n
+  std::vector<OfferedQuestion> questions = {};
 };
 
 /// A simulated hand that does one movement after the other; the loop is closed as with SimulatedHand.

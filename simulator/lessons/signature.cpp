@@ -52,6 +52,7 @@ const char* name_of(Signature signature) {
     case Signature::absent:
     case Signature::of_other_bytes:
     case Signature::by_another_key:
+    case Signature::of_another_rubric:
       break;
   }
   return "not signed";
@@ -70,6 +71,11 @@ Signature signature_of(const std::string& recording_sha256, const std::filesyste
   if (s.recording_sha256 != recording_sha256) return Signature::of_other_bytes;
   return is_signed(signed_words(s.recording_sha256), s.signature, public_key) ? Signature::fits
                                                                               : Signature::by_another_key;
+}
+
+Signature signature_for(Signature signature, const std::string& announced_sha256,
+                        const lesson::CompiledRubric& rubric) {
+  return signature == Signature::fits && announced_sha256 != rubric.sha256 ? Signature::of_another_rubric : signature;
 }
 
 void require_no_misfit(Signature signature, const std::filesystem::path& recording) {

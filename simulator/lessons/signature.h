@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <string>
 
+#include "lesson/rubric.h"
+
 namespace trephine::lessons {
 
 /// A teacher who saw an attempt signs its recording: RECORDING.sig then lies beside it. The signature is of the
@@ -16,7 +18,9 @@ std::filesystem::path signature_file(const std::filesystem::path& recording);
 void sign_recording(const std::filesystem::path& recording, const std::filesystem::path& private_key);
 
 /// What lies beside a recording, for whoever has a public key; `fits`: a signature by its owner of these very bytes.
-enum class Signature { not_asked, absent, of_other_bytes, by_another_key, fits };
+/// `of_another_rubric`: it fits, and points by this rubric are not what was signed, for the recording names another one
+/// or none.
+enum class Signature { not_asked, absent, of_other_bytes, by_another_key, of_another_rubric, fits };
 /// "signed"; "not signed" for all else; empty where nobody asked.
 const char* name_of(Signature signature);
 
@@ -24,6 +28,9 @@ const char* name_of(Signature signature);
 /// whatever lies at the path by now. Throws Error 65 where the file of the signature is damaged.
 Signature signature_of(const std::string& recording_sha256, const std::filesystem::path& recording,
                        const std::filesystem::path& public_key);
+
+/// What it says of points by that rubric, where the recording's header names this one.
+Signature signature_for(Signature signature, const std::string& announced_sha256, const lesson::CompiledRubric& rubric);
 
 /// Throws Error 80, naming the signature's file, where there is one that does not fit.
 void require_no_misfit(Signature signature, const std::filesystem::path& recording);

@@ -78,7 +78,8 @@ SignedState signed_state(const SignedAttempt& attempt, const fs::path& case_fold
   if (fresh.recording.sha256 != recording.sha256)
     throw Error(ExitCode::bad_input, attempt.recording.string(), "", "changed while it was read: run it again");
   require_same_report(attempt.report, score_json(fresh.head, *fresh.facts, fresh.score));
-  return SignedState::points;
+  // Where it names no rubric, nobody signed points by this one.
+  return fresh.head.signature == Signature::fits ? SignedState::points : SignedState::recording;
 }
 
 }  // namespace trephine::lessons

@@ -183,9 +183,9 @@ std::vector<haptics::ServoFrame> run_open(ContactAlgorithm& algorithm, const std
 
 RunFigures judge(const std::vector<haptics::ServoFrame>& frames, const PeerScene& truth) {
   RunFigures out;
-  haptics::ForceWindow window = haptics::force_window(frames);
+  session::ForceWindow window = session::force_window(frames);
   if (window.begin >= window.end) window = {frames.size() / 2, frames.size()};  // it never touched, which is the worst
-  out.force = haptics::force_figures(frames, window);
+  out.force = session::force_figures(frames, window);
   bool fell = false;
   std::size_t fallen = 0;
   for (std::size_t n = window.begin; n < window.end; ++n) {

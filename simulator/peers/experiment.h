@@ -9,6 +9,7 @@
 #include "haptics/frame.h"
 #include "haptics/recording.h"
 #include "peers/contact_algorithm.h"
+#include "session/force_figures.h"
 
 namespace trephine::peers {
 
@@ -46,13 +47,13 @@ std::vector<haptics::ServoFrame> run_open(ContactAlgorithm& algorithm, const std
 
 /// How good forces are: the dissertation's coefficient beside what it leaves out.
 struct RunFigures {
-  haptics::ForceFigures force;
+  session::ForceFigures force;
   double fallen_ratio = 0;  ///< of the judged frames: without force, deeper than fall_mm within the shape
   int falls = 0;            ///< times that such frames began
 };
 /// A device that is deeper than this within the shape and feels nothing has fallen through.
 constexpr double fall_mm = 0.5;
-/// Judges the frames from half a second after the first contact (haptics::force_window), without any contact the second
+/// Judges the frames from half a second after the first contact (session::force_window), without any contact the second
 /// half. `truth` is the felt surface
 /// in full, `contact` says what is inside.
 RunFigures judge(const std::vector<haptics::ServoFrame>& frames, const PeerScene& truth);

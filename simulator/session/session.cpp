@@ -165,6 +165,8 @@ haptics::RecordingHeader Session::header_of(const SessionOptions& options) const
   if (!options.tools.empty()) {
     set_lesson(header, options.tools, options.lesson, options.participant, patient_->felt.loaded.manifest.haptic);
     header.task = options.task;
+    header.rubric_sha256 = options.rubric_sha256;
+    header.asked = options.asked;
   }
   return header;
 }

@@ -68,7 +68,9 @@ struct SessionOptions {
   /// Of a lesson: the hand holds one of them at a time (haptics/tool_belt.h), and `tool` is ignored. What drills does
   /// so where the case can be drilled. Empty: `tool` alone.
   std::vector<haptics::BeltToolParams> tools;
-  std::string lesson, participant, task;     ///< the module, an anonymous token, and what is asked for; for the header
+  std::string lesson, participant, task;  ///< the module, an anonymous token, and what is asked for; for the header
+  std::string rubric_sha256;              ///< also for the header, as what follows
+  std::vector<haptics::AskedQuestion> asked;
   std::shared_ptr<const ButtonBoard> board;  ///< buttons beside the device's own; may be null
   std::filesystem::path record;              ///< every tick is written to this file; empty: no recording
 };

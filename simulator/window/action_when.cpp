@@ -17,6 +17,12 @@ texts::Answer of_lesson(const Player& p) {
   return p.live() && p.live()->begun() ? texts::Answer() : texts::Answer(texts::NoteId::not_now);
 }
 
+texts::Answer with_question(const Player& p) {
+  if (const texts::Answer not_here = of_lesson(p)) return not_here;
+  return p.lesson()->questions().open(p.lesson()->facts()) >= 0 ? texts::Answer()
+                                                                : texts::Answer(texts::NoteId::no_question);
+}
+
 texts::Answer of_arm(const Player& p) {
   if (!p.lesson()) return texts::NoteId::no_lesson;
   if (!p.lesson()->has_arm()) return texts::NoteId::no_arm;

@@ -293,6 +293,9 @@ void lesson_actions(Entries e) {
   e->label = {{"Back", "Zurück"}};
   e->keys = {{GLFW_KEY_BACKSPACE}};
   e->run = does([](Player& p, Words&) { return p.lesson()->back(); });
+  e.add("answer", "CHOICE", {{"answers the question that is asked", "beantwortet die Frage"}}, with_question);
+  e->choices = [](const Player& p) { return p.lesson()->questions().choices(p.lesson()->facts()); };
+  e->run = does([](Player& p, Words& w) { return p.lesson()->answer(w.word()); });
   e.add("finish", "", {{"ends the lesson", "beendet die Lektion"}}, of_lesson);
   e->label = {{"Finish", "Beenden"}};
   e->keys = {{GLFW_KEY_ENTER, How::twice}, {GLFW_KEY_KP_ENTER, How::twice}};

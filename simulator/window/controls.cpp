@@ -96,6 +96,7 @@ void Controls::press(int key, Player& player, Screen& screen) {
         screen.answer = texts::NoteId::enter_again;
         return;
       }
+      asked_s_.erase(asked);  // a third press asks anew: the action may not have been done
     }
     again_s_ = held_s_ + first_again_s;
     screen.answer = act(a, player, screen, words).fault;

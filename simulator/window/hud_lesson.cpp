@@ -24,12 +24,28 @@ void Hud::lesson_panel(Player& player, Screen& screen) {
     ImGui::End();
     return;
   }
+  ImGui::TextColored(sky, "%s", player.view().stage().loaded().manifest.case_token.c_str());
   const lessons::LessonTask& task = lesson.task();
   if (!task.aim.empty()) {
     ImGui::TextWrapped("%s", lessons::aim_of(task, language_).c_str());
     ImGui::PushStyleColor(ImGuiCol_Text, grey);
     ImGui::TextWrapped("%s", lessons::indication_of(task, language_).c_str());
     ImGui::PopStyleColor();
+  }
+  if (const int open = lesson.questions().open(lesson.facts()); open >= 0) {
+    const lessons::QuestionText& text = lesson.questions().text(open);
+    const std::vector<std::string>& choices = lesson.questions().asked()[std::size_t(open)].choices;
+    ImGui::Separator();
+    ImGui::PushTextWrapPos(0);
+    ImGui::TextColored(orange, "%s", text.question.of(language_).c_str());
+    for (std::size_t n = 0; n < text.choices.size(); ++n) {
+      if (button(fmt::format("{}##answer", n + 1).c_str()))
+        screen.answer = act(action_of("answer"), player, screen, choices[n]).fault;
+      ImGui::SameLine();
+      ImGui::TextUnformatted(text.choices[n].of(language_).c_str());
+    }
+    ImGui::PopTextWrapPos();
+    ImGui::Separator();
   }
   for (std::size_t n = 0; n < lesson.steps().size(); ++n) {
     const lessons::LessonGuide& step = lesson.steps()[n].guide;

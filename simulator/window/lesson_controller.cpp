@@ -49,7 +49,8 @@ LessonController::LessonController(const LessonPlay& play, const session::Patien
       rate_hz_(o.servo.rate_hz),
       module_(lessons::lesson_type(play.module)),
       rubric_(rubric_of(play)),
-      manifest_(patient.felt.loaded.manifest) {
+      loaded_(patient.felt.loaded),
+      manifest_(loaded_.manifest) {
   const cases::LoadedCase& loaded = patient.felt.loaded;
   if (!play.approved_sha256.empty())
     lessons::require_approved(case_folder_, patient.felt.case_sha256, play.approved_sha256);
@@ -65,6 +66,9 @@ LessonController::LessonController(const LessonPlay& play, const session::Patien
       task_ = all.front();
     lesson_->set_task(task_.name);
   });
+  std::vector<lessons::OfferedQuestion> asked;
+  if (play.questions) asked = lessons::questions_for(*rubric_.common, module_, manifest_, task_.name, play.participant);
+  questions_ = std::make_unique<LessonQuestions>(lessons::as_asked(asked), *rubric_.common);
   belt_ = std::make_unique<haptics::ToolBelt>(patient.contact, patient.felt.feels, o.force, o.shaft, module_.tools(),
                                               nullptr);
   steps_ = steps_of(module_, lesson_->facts(), belt_->tools());
@@ -81,6 +85,8 @@ void LessonController::set_session(session::SessionOptions& o) const {
   o.lesson = play_.module;
   o.participant = play_.participant;
   o.task = task_.name;
+  o.rubric_sha256 = rubric_.sha256;
+  o.asked = questions_->asked();
   o.board = board_;
   o.record = play_.recording;
 }
@@ -126,6 +132,8 @@ texts::Answer LessonController::give(const std::string& name) {
       if (belt_->paused() && n != haptics::belt_command::pause && n != haptics::belt_command::resume &&
           n != haptics::belt_command::finish)
         return texts::NoteId::lesson_is_paused;
+      if (n == haptics::belt_command::finish && questions_->comes_before_end(facts()))
+        return texts::NoteId::questions_first;
       if (n == haptics::belt_command::incise && !belt_->has_mark()) return texts::NoteId::marker_untouched;
       commands_.push_back(n);
       note_step(-1, n);
@@ -133,6 +141,14 @@ texts::Answer LessonController::give(const std::string& name) {
       return {};
     }
   return texts::Note{texts::NoteId::no_lesson_command, {name}};
+}
+
+texts::Answer LessonController::answer(const std::string& choice) {
+  const int command = questions_->answer(facts(), choice);
+  if (command == haptics::belt_command::none) return texts::Note{texts::NoteId::no_answer, {choice}};
+  commands_.push_back(command);
+  press();
+  return {};
 }
 
 texts::Answer LessonController::next() {
@@ -165,6 +181,13 @@ void LessonController::watch(const std::vector<haptics::ServoFrame>& frames, con
       press();
     }
   }
+  if (!questions_->wants_errors(facts())) return;
+  questions_->ask([this, facts = lesson_->copy_of_facts()] {  // as it will be judged
+    std::set<std::string> errors;
+    for (const lessons::CriticalError& e : module_.score(*facts, loaded_, before_, rubric_.rubric).critical)
+      errors.insert(e.rule.error);
+    return errors;
+  });
 }
 
 std::vector<lessons::LessonStatus> LessonController::status() const {

@@ -10,6 +10,7 @@
 #include "lessons/lesson_type.h"
 #include "lessons/score_recording.h"
 #include "session/playback.h"
+#include "window/lesson_questions.h"
 
 namespace trephine::window {
 
@@ -22,6 +23,7 @@ struct LessonPlay {
   std::string approved_sha256;                          ///< of the case.json that is approved; empty: any case
   lessons::ReportFiles report;                          ///< what of it has no path is not written
   texts::Language language = texts::Language::english;  ///< of the report's page
+  bool questions = true;                                ///< whether those of the rubric are asked
 };
 
 /// What a lesson leads through, in this order: a tool to be taken, or a command.
@@ -58,6 +60,8 @@ class LessonController {
   texts::Answer back();                                   ///< takes the tool of an earlier step: what was cut stays cut
   void set_pedal(bool down);
 
+  texts::Answer answer(const std::string& choice);  ///< the question that is asked, by the answer's name
+
   /// What the servo did. `drilling`: the session's, null where nothing can be cut.
   void watch(const std::vector<haptics::ServoFrame>& frames, const haptics::Drilling* drilling);
   bool ended() const { return lesson_->facts().end != lessons::LessonEnd::running; }  ///< as far as was watched
@@ -70,6 +74,7 @@ class LessonController {
   const std::vector<LessonStep>& steps() const { return steps_; }
   const lessons::LessonTask& task() const { return task_; }  ///< what is asked for; without a name where nothing is
   std::size_t step() const { return step_; }
+  const LessonQuestions& questions() const { return *questions_; }
   const lessons::LessonFacts& facts() const { return lesson_->facts(); }
   std::vector<lessons::LessonStatus> status() const;
   int verdict() const;  ///< LessonType::verdict
@@ -106,7 +111,8 @@ class LessonController {
   const double rate_hz_;
   const lessons::LessonType& module_;
   const lesson::CompiledRubric rubric_;
-  const cases::CaseManifest& manifest_;  // of the patient
+  const cases::LoadedCase& loaded_;  // of the patient; its haptic volume is cut meanwhile
+  const cases::CaseManifest& manifest_;
   voxel::HapticVolume before_;
   std::unique_ptr<haptics::ToolBelt> belt_;  // follows the session's
   std::unique_ptr<lessons::Lesson> lesson_;
@@ -114,6 +120,7 @@ class LessonController {
   lessons::LessonTask task_;
   std::size_t step_ = 0;
   std::shared_ptr<session::ButtonBoard> board_ = std::make_shared<session::ButtonBoard>();
+  std::unique_ptr<LessonQuestions> questions_;
   std::deque<int> commands_;  // given, and not seen by the servo yet
   bool pedal_ = false, resting_ = true;
   int tool_ = 0;

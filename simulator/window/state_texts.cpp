@@ -44,6 +44,11 @@ std::string lesson_text(const Player& player) {
   text += fmt::format(" end {}", lesson->ended() ? lessons::name_of(f.end) : "none");
   if (lesson->paused()) text += " paused";
   if (const int verdict = lesson->verdict(); verdict != 0) text += verdict > 0 ? " green" : " red";
+  if (const int n = lesson->questions().open(f); n >= 0) {
+    const haptics::AskedQuestion& asked = lesson->questions().asked()[std::size_t(n)];
+    text += " question " + asked.question;
+    for (const std::string& choice : asked.choices) text += " " + choice;
+  }
   if (const lessons::ScoredLesson* s = lesson->scored()) {
     std::string outcome = lessons::name_of(s->score.outcome());
     std::replace(outcome.begin(), outcome.end(), ' ', '_');

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Sourced, after common.sh and window.sh, by the scripts that do a lesson in a window. `lesson` is its name.
 : "${OFFLINE:?}" "${lesson:?}"
+questions=--no-questions  # but where a script is about them
 "$OFFLINE" rubric "$SOURCE/configs/rubrics/$lesson.yaml" --output "$work/$lesson.json" >/dev/null
 
 # begin CASE ARGUMENTS...: opens a window on a lesson.
 begin() {
-  open_window "$TREPHINE" play "$work/$1" --lesson "$lesson" --rubric "$work/$lesson.json" --participant r-01 --no-realtime \
+  open_window "$TREPHINE" play "$work/$1" --lesson "$lesson" --rubric "$work/$lesson.json" --participant r-01 --no-realtime $questions \
     --max-step-s 3600 --window-width 480 --window-height 360 --no-panels "${@:2}"
 }
 # until_lesson PATTERN: waits until the lesson is there.

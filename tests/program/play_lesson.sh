@@ -22,8 +22,22 @@ catheter() {
 }
 
 # A case with a hole begins at the catheter. Nothing is shown before the end that a surgeon would not see.
+# It is asked who lies there, and what for; a wrong answer is taken as one, and not told.
+questions=
 begin head_drilled --out "$work/out" --advance-mm-per-s 12
-until_lesson 'tool catheter step 1 passes_count 0'
+until_lesson 'tool catheter step 1 passes_count 0 .*question patient .*head-drilled'
+ask 'answer somebody'
+[[ $answer == 'error: somebody: the question has no such answer' ]] || fail "an answer that is none: $answer"
+ok 'answer head-drilled'
+until_lesson 'question side '
+ok 'answer left'
+until_lesson 'question indication '
+ok 'answer csf_pressure'
+until_lesson 'question imaging '
+ok 'answer this_ct'
+until_lesson 'end none$'
+ask 'answer this_ct'
+[[ $answer == 'error: nothing is asked now' ]] || fail "an answer to nothing: $answer"
 for barred in 'hide skin' 'opacity skin 0.3' aim 'cut tool' 'places on' 'slices on' 'insets on'; do
   ask "$barred"
   [[ $answer == 'error: not before the lesson'* ]] || fail "$barred: $answer"
@@ -38,8 +52,13 @@ xdotool key Return
 sleep 0.3
 ask lesson
 [[ $answer == *'end none' ]] || fail "one key ends the lesson: $answer"
+# What comes after the procedure is asked before its end, which may be called again.
 xdotool key Return key Return
-until_lesson 'end finished points [0-9]+ of 25'
+until_lesson 'question outlet '
+ok 'answer cm_15'
+until_lesson 'question proof '
+xdotool key Return key Return
+until_lesson 'end finished points [0-9]+ of 30'
 ask 'tool burr'
 [[ $answer == error:* ]] || fail "a tool after the end"
 until_is state ' in [a-z]+ touching [a-z]+ .* depth [0-9]'
@@ -55,6 +74,9 @@ import json, sys
 j = json.load(open(sys.argv[1]))
 rows = {r["name"]: r["score"] for r in j["rows"]}
 assert j["participant"] == "r-01" and j["facts"]["end"] == "finished", j["facts"]
+states = {d["question"]: d["state"] for d in j["decisions"]}
+assert states == {"patient": "right", "side": "wrong", "indication": "right", "imaging": "right", "outlet": "right", "proof": "not answered"}, states
+assert rows["decisions"] == 3, rows
 assert rows["trajectory"] == 5 and rows["tip"] >= 4 and rows["depth"] >= 3, rows
 PY
 [[ $(wc -l <"$work/out/attempts-ventriculostomy.csv") == 2 ]] || fail "no line in the log"
@@ -72,6 +94,7 @@ expect 65 'case.json: haptic.shapes: the lesson needs' "$TREPHINE" play "$work/s
 [[ $LONG == 1 ]] || exit 0
 
 # The whole lesson.
+questions=--no-questions
 begin head --view top --record "$work/whole.lesson" --advance-mm-per-s 12
 xdotool mousemove 240 230 mousedown 1
 for at in 225 220 215 210 205 200 195 190; do xdotool mousemove 240 $at; sleep 0.2; done

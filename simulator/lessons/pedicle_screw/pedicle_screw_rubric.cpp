@@ -3,8 +3,6 @@
 
 namespace trephine::lessons {
 
-lesson::RubricType pedicle_screw_rubric() {
-  return {"pedicle_screw", [] { return AnyParams::make<PedicleScrewRubric>(); }};
-}
+lesson::RubricType pedicle_screw_rubric() { return lesson::rubric_type<PedicleScrewRubric>("pedicle_screw"); }
 
 }  // namespace trephine::lessons

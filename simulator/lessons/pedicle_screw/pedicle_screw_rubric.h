@@ -8,14 +8,13 @@ namespace trephine::lessons {
 
 /// The five errors of a pedicle screw, and how many are acceptable [Rizzi, chapter 8.2.2]. The dissertation names the
 /// errors and says 2; from where on each is one it does not say.
-struct PedicleScrewRubric {
+struct PedicleScrewRubric : lesson::LessonRubric {
   std::string module;
   lesson::RubricLimit entry_mm, axial_deg, sagittal_deg, length_mm, breach_mm, most_errors_count,
       least_confidence_ratio, farthest_mm;
   std::optional<lesson::RubricLimit> head_mm, widest_ratio, narrowest_ratio;
   std::optional<lesson::RubricLimit> proud_mm, finder_ratio;
   std::optional<lesson::FourLimits> exposure_s, passes_count, insertion_mm_per_s, procedure_s;
-  std::vector<lesson::CriticalRule> critical_errors;
   template <class V>
   static void describe(V& v) {
     using P = PedicleScrewRubric;
@@ -42,13 +41,12 @@ struct PedicleScrewRubric {
     v.group(&P::finder_ratio, "finder_ratio",
             "How deep a finder must have gone before the screw, as a share of the screw's depth: of the passes.");
     v.group(&P::procedure_s, "procedure_s", "Time to complete the procedure.");
-    v.list(&P::critical_errors, "critical_errors", "What fails a lesson, whatever the sum.").at_most(16);
+    v.template all_of<lesson::LessonRubric>();
   }
   std::string fault() const {
     if (least_confidence_ratio.limit > 1) return "least_confidence_ratio.limit: is above 1";
-    return lesson::critical_fault(
-        critical_errors, {"anterior_cortex_mm", "canal", "medial_breach_mm", "other_breach_mm", "beside_spine_mm",
-                          "great_vessel", "wrong_side", "wrong_level"});
+    return LessonRubric::fault({"anterior_cortex_mm", "canal", "medial_breach_mm", "other_breach_mm", "beside_spine_mm",
+                                "great_vessel", "wrong_side", "wrong_level"});
   }
 };
 

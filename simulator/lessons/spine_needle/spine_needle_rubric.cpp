@@ -3,8 +3,6 @@
 
 namespace trephine::lessons {
 
-lesson::RubricType spine_needle_rubric() {
-  return {"spine_needle", [] { return AnyParams::make<SpineNeedleRubric>(); }};
-}
+lesson::RubricType spine_needle_rubric() { return lesson::rubric_type<SpineNeedleRubric>("spine_needle"); }
 
 }  // namespace trephine::lessons

@@ -8,12 +8,11 @@ namespace trephine::lessons {
 
 /// How a percutaneous needle in a pedicle is scored. The dissertation (chapter 8.2.1) measured the accuracy of entry
 /// and target and the exposure, and states neither units nor limits: all of them are ours.
-struct SpineNeedleRubric {
+struct SpineNeedleRubric : lesson::LessonRubric {
   std::string module;
   lesson::FourLimits entry_mm, target_mm, breach_mm, depth_mm, exposure_s, passes_count, procedure_s;
   std::optional<lesson::FourLimits> insertion_mm_per_s;
   lesson::RubricLimit least_confidence_ratio, farthest_mm;
-  std::vector<lesson::CriticalRule> critical_errors;
   template <class V>
   static void describe(V& v) {
     using P = SpineNeedleRubric;
@@ -32,13 +31,12 @@ struct SpineNeedleRubric {
         .is_required();
     v.group(&P::farthest_mm, "farthest_mm", "A needle that enters bone farther from every pedicle's entry is at none.")
         .is_required();
-    v.list(&P::critical_errors, "critical_errors", "What fails a lesson, whatever the sum.").at_most(16);
+    v.template all_of<lesson::LessonRubric>();
   }
   std::string fault() const {
     if (least_confidence_ratio.limit > 1) return "least_confidence_ratio.limit: is above 1";
-    return lesson::critical_fault(
-        critical_errors, {"anterior_cortex_mm", "canal", "medial_breach_mm", "other_breach_mm", "beside_spine_mm",
-                          "great_vessel", "wrong_side", "wrong_level"});
+    return LessonRubric::fault({"anterior_cortex_mm", "canal", "medial_breach_mm", "other_breach_mm", "beside_spine_mm",
+                                "great_vessel", "wrong_side", "wrong_level"});
   }
 };
 

@@ -15,8 +15,6 @@ std::string PassesRubric::fault() const {
   return lesson::descending_limit(
       {{"ideal_count", ideal_count.limit}, {"good_count", good_count.limit}, {"most_count", most_count.limit}});
 }
-lesson::RubricType subclavian_rubric() {
-  return {"subclavian", [] { return AnyParams::make<SubclavianRubric>(); }};
-}
+lesson::RubricType subclavian_rubric() { return lesson::rubric_type<SubclavianRubric>("subclavian"); }
 
 }  // namespace trephine::lessons

@@ -47,14 +47,13 @@ struct PassesRubric {
 
 /// The subclavian central line [Rizzi, chapter 7.3]. The rows vein, artery, and pleura and lung have no limits: blood
 /// was drawn or not, a structure was entered or not.
-struct SubclavianRubric {
+struct SubclavianRubric : lesson::LessonRubric {
   std::string module;
   PunctureRubric puncture;
   NotchRubric direction;
   PassesRubric passes;
   lesson::TimeRubric time;
   std::optional<lesson::FourLimits> insertion_mm_per_s, aspirations_count, beyond_vein_mm;
-  std::vector<lesson::CriticalRule> critical_errors;
   template <class V>
   static void describe(V& v) {
     using P = SubclavianRubric;
@@ -67,11 +66,9 @@ struct SubclavianRubric {
     v.group(&P::aspirations_count, "aspirations_count", "How often somebody drew at the syringe: of the row vein.");
     v.group(&P::beyond_vein_mm, "beyond_vein_mm",
             "How far the needle came out of the vein again, ahead: of the row vein.");
-    v.list(&P::critical_errors, "critical_errors", "What fails a lesson, whatever the sum.").at_most(16);
+    v.template all_of<lesson::LessonRubric>();
   }
-  std::string fault() const {
-    return lesson::critical_fault(critical_errors, {"artery", "pleura_or_lung", "wrong_side"});
-  }
+  std::string fault() const { return LessonRubric::fault({"artery", "pleura_or_lung", "wrong_side"}); }
 };
 
 }  // namespace trephine::lessons

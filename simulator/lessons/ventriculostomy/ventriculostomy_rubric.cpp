@@ -30,8 +30,6 @@ std::string DepthRubric::fault() const {
 std::string TipRubric::fault() const {
   return lesson::descending_limit({{"foramen_mm", foramen_mm.limit}, {"near_mm", near_mm.limit}});
 }
-lesson::RubricType ventriculostomy_rubric() {
-  return {"ventriculostomy", [] { return AnyParams::make<VentriculostomyRubric>(); }};
-}
+lesson::RubricType ventriculostomy_rubric() { return lesson::rubric_type<VentriculostomyRubric>("ventriculostomy"); }
 
 }  // namespace trephine::lessons

@@ -116,7 +116,7 @@ struct TipRubric {
 };
 
 /// Table XIII of the dissertation.
-struct VentriculostomyRubric {
+struct VentriculostomyRubric : lesson::LessonRubric {
   std::string module;
   LandmarksRubric landmarks;
   BurrHoleRubric burr_hole;
@@ -126,7 +126,6 @@ struct VentriculostomyRubric {
   TipRubric tip;
   lesson::TimeRubric time;
   std::optional<lesson::FourLimits> passes, insertion_mm_per_s;
-  std::vector<lesson::CriticalRule> critical_errors;
   template <class V>
   static void describe(V& v) {
     using P = VentriculostomyRubric;
@@ -141,11 +140,11 @@ struct VentriculostomyRubric {
     v.group(&P::passes, "passes",
             "How often the catheter entered the brain, with holes and incisions beyond one: ours, beside the table.");
     v.group(&P::insertion_mm_per_s, "insertion_mm_per_s", "How fast a tool went into the patient, beside the table.");
-    v.list(&P::critical_errors, "critical_errors", "What fails a lesson, whatever the sum.").at_most(16);
+    v.template all_of<lesson::LessonRubric>();
   }
   std::string fault() const {
-    return lesson::critical_fault(critical_errors, {"dura_by_burr", "sagittal_sinus", "brainstem", "eloquent_zone",
-                                                    "wrong_side", "dry_catheter"});
+    return LessonRubric::fault(
+        {"dura_by_burr", "sagittal_sinus", "brainstem", "eloquent_zone", "wrong_side", "dry_catheter"});
   }
 };
 
