@@ -24,7 +24,7 @@ constexpr const char* screen = "mouse";
 
 struct PlayParams {
   double seconds = 0;
-  int remote = -1, head_port = -1;
+  int remote = -1, head_port = -1, record_server_port = 0;
   bool remote_tells_all = false, questions = true;
   template <class V>
   static void describe(V& v) {
@@ -40,6 +40,9 @@ struct PlayParams {
         &P::questions, "questions",
         "In a lesson, ask what the rubric asks: the time-out before the first cut, what to do after a critical error, "
         "and what comes at the end.");
+    v.integer(&P::record_server_port, "record_server_port", Range{0, 65535},
+              "In a lesson, send poses and buttons to the `trephine-sim record-server` at this port of the loopback "
+              "interface, which records and signs the lesson as well; 0: to none.");
     v.integer(&P::head_port, "head_port", Range{-1, 65535},
               "Port of the loopback interface on which a tracker that sends the printed token says where the user's "
               "head is; 0: any port that is free; -1: none.");
@@ -100,6 +103,9 @@ ExitCode run_play(const cli::ParsedCommand& given) {
   if (!o.playback.empty() && !o.session.record.empty())
     throw Error(ExitCode::usage, "", "--playback, --record", "a recording is shown or made, not both");
   if (parsed.has("lesson")) o.lesson = lesson_of(parsed);
+  o.session.record_server_port = params.record_server_port;
+  if (params.record_server_port > 0 && !o.lesson)
+    throw Error(ExitCode::usage, "", "--record-server-port", "is of a --lesson");
   for (const char* own : {"participant", "task", "rubric", "out", "approved_sha256"})
     if (parsed.has(own) && !o.lesson) throw Error(ExitCode::usage, "", std::string("--") + own, "is of a --lesson");
   o.ghost = parsed.path("ghost");

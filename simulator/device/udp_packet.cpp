@@ -190,7 +190,7 @@ bool decode_pose(const std::uint8_t* bytes, std::size_t count, UdpPose& out) {
   out.command = r.get<std::uint16_t>();
   if (!usable || (flags & ~lifted_bit) != 0 ||
       (out.pedals & ~(haptics::Drilling::pedal | haptics::Drilling::mark)) != 0 ||
-      out.tool > int(haptics::belt_button::tool_mask) || out.command >= haptics::belt_command::count)
+      out.tool > int(haptics::belt_button::tool_mask) || !haptics::belt_command::is_known(out.command))
     return false;
   out.lifted = (flags & lifted_bit) != 0;
   // The fields' own bits of the buttons are theirs alone.

@@ -39,6 +39,9 @@ constexpr int answer(int question, int choice) { return 0x80 | question << 3 | c
 constexpr bool is_answer(int command) { return (command & 0x80) != 0; }
 constexpr int question_of(int answer) { return answer >> 3 & 0xf; }
 constexpr int choice_of(int answer) { return answer & 7; }
+constexpr bool is_known(int command) {
+  return command >= 0 && (command < count || (command <= 0xff && is_answer(command)));
+}
 constexpr bool takes_back(int command) { return command == undo || command == reset; }
 }  // namespace belt_command
 

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "device/rate_hand.h"
+#include "device/witness.h"
 #include "haptics/delayed_walls.h"
 
 namespace trephine::session {
@@ -39,6 +40,10 @@ std::uint64_t ticks_of(const SessionOptions& options) {
 std::unique_ptr<device::Device> before_screen(std::unique_ptr<device::Device> device, const SessionOptions& o) {
   if (!o.screen) return device;
   return std::make_unique<device::ScreenDevice>(std::move(device), *o.screen, o.screen_view);
+}
+
+std::unique_ptr<device::Device> witnessed(std::unique_ptr<device::Device> device, int port) {
+  return port > 0 ? device::with_witness(std::move(device), port) : std::move(device);
 }
 
 // The port with the damping that it is measured against.
@@ -73,13 +78,14 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
       stop_(stop),
       patient_(patient ? std::move(patient)
                        : std::make_shared<Patient>(options.case_folder, options.shape, options.contact)),
-      device_(
+      device_(witnessed(
           with_board(device::in_workspace(
                          before_screen(options.own_device ? options.own_device(scene_of(options, say))
                                                           : device::make_device(options.device, scene_of(options, say)),
                                        options),
                          options.workspace),
-                     options.board)),
+                     options.board),
+          options.record_server_port)),
       header_(header_of(options)),
       drilling_(patient_->felt.drilling_of(header_, patient_->contact, &patient_->marks)),
       port_(header_.port, options.force,

@@ -71,6 +71,7 @@ struct SessionOptions {
   std::string lesson, participant, task;  ///< the module, an anonymous token, and what is asked for; for the header
   std::string rubric_sha256;              ///< also for the header, as what follows
   std::vector<haptics::AskedQuestion> asked;
+  int record_server_port = 0;                ///< poses and buttons go to the record server there too; 0: to none
   std::shared_ptr<const ButtonBoard> board;  ///< buttons beside the device's own; may be null
   std::filesystem::path record;              ///< every tick is written to this file; empty: no recording
 };

@@ -8,7 +8,29 @@ lesson=ventriculostomy
 . "$(dirname "$0")/lesson_window.sh"
 "$WRITE_CASE" "$work/head_drilled" head_drilled
 
-begin head_drilled --out "$work/out" --advance-mm-per-s 12 --remote-tells-all
+# A teacher's station records and signs it as well. Without one no lesson begins that should be recorded there.
+openssl genpkey -algorithm ed25519 -out "$work/teacher.key" 2>/dev/null
+openssl pkey -in "$work/teacher.key" -pubout -out "$work/teacher.pub"
+chmod 600 "$work/teacher.key"
+server=("$TREPHINE" record-server "$work/head_drilled" --rubric "$work/ventriculostomy.json" --participant r-01 --no-realtime --max-step-s 3600)
+key=(--key "$work/teacher.key")
+expect 64 '[-]-no-paced' "${server[@]}" "${key[@]}" --record "$work/none.lesson" --no-paced
+expect 65 'teacher.pub: private key' "${server[@]}" --record "$work/none.lesson" --key "$work/teacher.pub"
+expect 66 'no pose came to 127.0.0.1' "${server[@]}" "${key[@]}" --record "$work/none.lesson" --wait-s 0.2
+[[ ! -e $work/none.lesson ]] || fail "a recording of nothing"
+"${server[@]}" "${key[@]}" --record "$work/seen.lesson" >"$work/server" 2>&1 &
+feeder=$!
+for try in {1..600}; do port=$([[ ! -e $work/server ]] || sed -nE 's/.*127\.0\.0\.1:([0-9]+).*/\1/p' "$work/server"); [[ -n $port ]] && break; sleep 0.1; done
+[[ -n $port ]] || { cat "$work/server"; fail "the server does not say where it is"; }
+
+questions=
+begin head_drilled --out "$work/out" --advance-mm-per-s 12 --remote-tells-all --record-server-port "$port"
+until_lesson 'question patient'
+ok 'answer head-drilled'
+for asked in side:right indication:csf_pressure imaging:this_ct; do
+  until_lesson "question ${asked%:*} "
+  ok "answer ${asked#*:}"
+done
 until_lesson 'tool catheter step 1 passes_count 0'
 xdotool mousemove 240 180
 sleep 0.3
@@ -20,7 +42,24 @@ xdotool keydown w
 until_is state 'in ventricles'
 xdotool keyup w
 xdotool key Return; sleep 0.3; xdotool key Return
-until_lesson 'end finished points [0-9]+ of 25'
+until_lesson 'question outlet '
+ok 'answer cm_15'
+until_lesson 'question proof '
+ok 'answer ct'
+xdotool key Return; sleep 0.3; xdotool key Return
+until_lesson 'end finished points [0-9]+ of 30'
 xdotool key Escape
 finish 0
 grep -q '^completed$' "$work/said" || { cat "$work/said"; fail "the first lesson as it is written is no success"; }
+
+# What the server recorded by itself is signed, whole and a success; the window's own recording is signed by nobody.
+wait $feeder || { cat "$work/server"; fail "the server fails"; }
+feeder=
+grep -q '^seen.lesson.sig$\|/seen.lesson.sig$' "$work/server" && grep -q '^completed$' "$work/server" || { cat "$work/server"; fail "the server's lesson"; }
+signed() { "$TREPHINE" score "$1" --case "$work/head_drilled" --rubric "$work/ventriculostomy.json" --signed-by "$work/teacher.pub" >"$work/text" && grep -x 'signed\|not signed' "$work/text"; }
+[[ $(signed "$work/seen.lesson") == signed ]] || { cat "$work/text"; fail "what the server saw is not signed"; }
+grep -q '^Time-out and decisions *5 ' "$work/text" || { cat "$work/text"; fail "the answers did not come to the server"; }
+[[ $(signed "$work"/out/r-01-*.lesson) == 'not signed' ]] || { cat "$work/text"; fail "the window's own recording is signed"; }
+"$TREPHINE" replay "$work/head_drilled" "$work/seen.lesson" | grep -q '^replayed bit for bit$' || fail "what the server saw does not replay"
+expect 74 'record-server-port: nobody answers' "$TREPHINE" play "$work/head_drilled" --lesson ventriculostomy --rubric "$work/ventriculostomy.json" \
+  --record "$work/late.lesson" --participant r-01 --record-server-port "$port"

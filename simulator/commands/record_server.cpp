@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <iostream>
+#include <thread>
+
+#include "base/error.h"
+#include "base/progress.h"
+#include "base/signature.h"
+#include "cli/argument.h"
+#include "cli/command.h"
+#include "commands/session_options.h"
+#include "device/udp_device.h"
+#include "lesson/approval.h"
+#include "lessons/decisions.h"
+#include "lessons/score_recording.h"
+#include "lessons/signature.h"
+
+namespace trephine::commands {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RecordServerParams {
+  std::string module = "ventriculostomy", participant, task;
+  int port = 0;
+  double wait_s = 0, most_s = 7200;
+  bool questions = true;
+  template <class V>
+  static void describe(V& v) {
+    using P = RecordServerParams;
+    v.word(&P::module, "module", lessons::lesson_names(), "Which lesson.");
+    v.text(&P::participant, "participant", "Anonymous token of who does it: a-z, 0-9, _ and -; never a name.");
+    v.text(&P::task, "task", "What is asked for, as `right` or `pedicle_2_left`; by default the usual.");
+    v.integer(&P::port, "port", Range{0, 65535},
+              "Port of the loopback interface on which poses are taken; 0: any port that is free, which is printed.");
+    v.number(&P::wait_s, "wait_s", Range{0, 86400}, "How long to wait for the first pose; 0: until stopped.");
+    v.number(&P::most_s, "most_s", Range{1, 86400}, "The longest that the lesson may take; then it is cut off.");
+    v.flag(&P::questions, "questions", "Expect answers to what the rubric asks.");
+  }
+};
+
+// Until the lesson was finished, the device was lost, or the time is over.
+void follow(session::Session& session, std::atomic<bool>& stop) {
+  std::uint32_t buttons = 0;
+  while (session.running()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    for (const haptics::ServoFrame& f : session.take_frames()) {
+      if (haptics::belt_command::new_of(f.buttons, buttons) == haptics::belt_command::finish) stop = true;
+      if (f.faults & ~haptics::haptic_fault::passing) stop = true;
+      buttons = f.buttons;
+    }
+    if (cancel_requested()) stop = true;
+  }
+}
+
+ExitCode run_record_server(const cli::ParsedCommand& parsed) {
+  const RecordServerParams& p = parsed.params<RecordServerParams>();
+  lesson::validate_token(p.participant, "--participant");
+  const lesson::CompiledRubric rubric = lessons::read_rubric_file(parsed.path("rubric"));
+  if (rubric.module != p.module)
+    throw Error(ExitCode::usage, parsed.text("rubric"), "module", rubric.module + ", but --module is " + p.module);
+  const fs::path record = parsed.path("record"), key = parsed.path("key");
+  if (fs::exists(record)) throw Error(ExitCode::cannot_create, record.string(), "", "is there already");
+  signature_of_bytes("", key);  // a key that cannot sign is refused before the lesson
+
+  const auto patient =
+      std::make_shared<session::Patient>(parsed.path("case"), "", parsed.params<contact::ContactParams>());
+  const cases::CaseManifest& manifest = patient->felt.loaded.manifest;
+  const lessons::LessonType& type = lessons::lesson_type(p.module);
+  with_file((parsed.path("case") / "case.json").string(), [&] { type.require(manifest); });
+  session::SessionOptions o;
+  o.case_folder = parsed.path("case");
+  o.device.name = "udp";
+  device::UdpParams udp;
+  udp.port = p.port;
+  udp.wait_s = p.wait_s;
+  o.device.params = {AnyParams::make<device::UdpParams>(udp)};
+  o.servo = parsed.params<haptics::ServoParams>();
+  o.contact = parsed.params<contact::ContactParams>();
+  o.force = parsed.params<haptics::ForceParams>();
+  if (!o.servo.paced) throw Error(ExitCode::usage, "", "--no-paced", "poses are taken at the clock's pace");
+  o.tools = type.tools();
+  o.lesson = p.module;
+  o.participant = p.participant;
+  const std::vector<lessons::LessonTask> offered = lessons::offered_tasks(type, manifest);
+  o.task = !p.task.empty()   ? lessons::task_of(type, manifest, p.task).name
+           : offered.empty() ? ""
+                             : offered.front().name;
+  o.rubric_sha256 = rubric.sha256;
+  if (p.questions)
+    o.asked = lessons::as_asked(lessons::questions_for(*rubric.common, type, manifest, o.task, p.participant));
+  o.record = record;
+  o.watched = true;
+  o.seconds = p.most_s;
+  std::atomic<bool> stop{false};
+  session::SessionResult result;
+  {
+    session::Session session(
+        o, stop,
+        [](const texts::Note& note) {
+          std::cout << texts::text_of(note, texts::Language::english) << "\n" << std::flush;
+        },
+        patient);
+    session.start();
+    follow(session, stop);
+    result = session.finish();
+  }
+  if (result.frames_lost > 0)
+    throw Error(ExitCode::io, record.string(), "",
+                "the disk was too slow for all ticks: not signed, do the lesson again");
+  lessons::sign_recording(record, key);
+  std::cout << lessons::signature_file(record).string() << "\n";
+  lessons::ScoredLesson scored = lessons::score_recording(record, o.case_folder, rubric);
+  const auto beside = [&](const char* extension) { return fs::path(record).replace_extension(extension); };
+  lessons::write_report(scored, o.case_folder, {beside(".json"), beside(".html"), {}});
+  std::cout << lessons::score_text(scored.head, *scored.facts, scored.score);
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+const cli::OwnCommand record_server_command([] {
+  using Kind = cli::Argument::Kind;
+  cli::Command c;
+  c.name = "record-server";
+  c.summary = "records a lesson at a teacher's station, and signs what it recorded itself";
+  c.description =
+      "Runs by a user whose private key the trainee cannot read. It takes poses and buttons from the loopback "
+      "interface "
+      "at the clock's pace, as `trephine-sim play --record-server-port` sends them, runs the haptic loop itself, and "
+      "when "
+      "the lesson is finished signs its own recording, and judges it. It never signs frames that it is given. So the "
+      "signature says that these poses came in at that pace, in this case, by this program; it does not say whose hand "
+      "it was, nor that no program sent them (docs/explanation/lessons.md).";
+  c.arguments = {cli::positional_argument("case", Kind::in_folder, "Folder of the case."),
+                 cli::required_argument("rubric", Kind::in_file, "The compiled rubric (.json)."),
+                 cli::required_argument("record", Kind::out_file,
+                                        "Write the recording to this file, and signature and report beside it."),
+                 cli::required_argument("key", Kind::in_file, "The teacher's private key (PEM).")};
+  c.groups = {cli::ParameterGroup::of<RecordServerParams>("Parameters"),
+              cli::ParameterGroup::of<haptics::ServoParams>("Servo loop"),
+              cli::ParameterGroup::of<contact::ContactParams>("Contact"),
+              cli::ParameterGroup::of<haptics::ForceParams>("Force")};
+  c.examples = {
+      "trephine-sim record-server library/sample --rubric ventriculostomy.rubric.json --participant r-01 --record "
+      "/srv/lessons/r-01.lesson --key teacher.key --port 20600"};
+  c.run = run_record_server;
+  return c;
+});
+
+}  // namespace trephine::commands

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "device/witness.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+#include "base/error.h"
+#include "device/mailbox.h"
+#include "device/udp_packet.h"
+#include "haptics/tool_belt.h"
+
+namespace trephine::device {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds between_poses{1}, patience{20};
+
+/// What one thread writes and another reads in the same order; it forgets nothing, unless it is full.
+class CommandQueue {
+ public:
+  void push(int command) {
+    const std::size_t at = end_.load(std::memory_order_relaxed);
+    if (at - begin_.load(std::memory_order_acquire) == commands_.size()) return;
+    commands_[at % commands_.size()] = command;
+    end_.store(at + 1, std::memory_order_release);
+  }
+  bool pop(int& command) {
+    const std::size_t at = begin_.load(std::memory_order_relaxed);
+    if (at == end_.load(std::memory_order_acquire)) return false;
+    command = commands_[at % commands_.size()];
+    begin_.store(at + 1, std::memory_order_release);
+    return true;
+  }
+
+ private:
+  std::array<int, 256> commands_{};
+  std::atomic<std::size_t> begin_{0}, end_{0};
+};
+
+class WitnessedDevice : public Device {
+ public:
+  WitnessedDevice(std::unique_ptr<Device> device, int port, double silent_s)
+      : device_(std::move(device)),
+        silent_(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(silent_s))) {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(std::uint16_t(port));
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    const bool there = socket_ >= 0 && ::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0;
+    begin_ = Clock::now();
+    pose_.session = std::uint32_t(::getpid()) ^ std::uint32_t(begin_.time_since_epoch().count());
+    pose_.reading.buttons = haptics::haptic_button::lifted;
+    bool answered = false;
+    while (there && !answered && Clock::now() - begin_ < silent_) {
+      send_pose();
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      answered = answers() > 0;
+    }
+    if (!answered) {
+      if (socket_ >= 0) ::close(socket_);
+      throw Error(ExitCode::io, "", "--record-server-port",
+                  "nobody answers at port " + std::to_string(port) +
+                      " of this machine: start `trephine-sim record-server` first");
+    }
+    thread_ = std::thread([this] { serve(); });
+  }
+  ~WitnessedDevice() override {
+    stop_ = true;
+    thread_.join();
+    ::close(socket_);
+  }
+
+  double damping_n_s_per_mm() const override { return device_->damping_n_s_per_mm(); }
+  bool knows_across() const override { return device_->knows_across(); }
+  bool read(double dt_s, DeviceReading& out) override {
+    const bool there = device_->read(dt_s, out);
+    if (there && !out.silent) {
+      const int command = haptics::belt_button::command(out.buttons);
+      if (command != given_) commands_.push(given_ = command);
+      readings_.write(out);
+    }
+    return there && !silent_now_.load(std::memory_order_relaxed);
+  }
+  void send(Vec3 force_n) override { device_->send(force_n); }
+  void tell(const DeviceNews& news) override { device_->tell(news); }
+  std::vector<std::pair<std::string, std::uint64_t>> counts() const override { return device_->counts(); }
+
+ private:
+  void send_pose() {
+    namespace button = haptics::belt_button;
+    const std::uint32_t buttons = pose_.reading.buttons;
+    ++pose_.sequence;
+    pose_.time_s = std::chrono::duration<double>(Clock::now() - begin_).count();
+    pose_.lifted = (buttons & haptics::haptic_button::lifted) != 0;
+    pose_.pedals = buttons & (haptics::Drilling::pedal | haptics::Drilling::mark);
+    pose_.tool = button::tool(buttons);
+    pose_.command = command_;
+    const UdpBytes packet = encode_pose(pose_);
+    ::send(socket_, packet.data(), packet.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  }
+  // The last pose that was answered since the last call; 0: none.
+  std::uint64_t answers() {
+    std::uint8_t bytes[512];
+    std::uint64_t last = 0;
+    for (ssize_t count; (count = ::recv(socket_, bytes, sizeof bytes, MSG_DONTWAIT)) > 0;) {
+      UdpForce force;
+      if (decode_force(bytes, std::size_t(count), force) && !force.busy && force.session == pose_.session)
+        last = std::max(last, force.answers);
+    }
+    return last;
+  }
+  void serve() {
+    ::prctl(PR_SET_TIMERSLACK, 1000);
+    Clock::time_point heard = Clock::now(), next = heard;
+    std::uint64_t command_since = 0;  // the first pose with this command
+    Clock::time_point read = Clock::now() - patience;
+    while (!stop_) {
+      if (readings_.read(pose_.reading)) read = Clock::now();
+      // The server takes the newest pose of each of its ticks. So a command stays until one of them took it.
+      const std::uint64_t answered = answers();
+      if (answered > 0) heard = Clock::now();
+      if (answered >= command_since && commands_.pop(command_)) command_since = pose_.sequence + 1;
+      pose_.reading.across = haptics::usable_across(pose_.reading.across, pose_.reading.axis);
+      if (Clock::now() - read < patience) send_pose();  // else the device is silent, as the server will find
+      if (Clock::now() - heard > silent_) silent_now_ = true;
+      std::this_thread::sleep_until(next = std::max(next + between_poses, Clock::now()));
+    }
+  }
+
+  const std::unique_ptr<Device> device_;
+  const Clock::duration silent_;
+  int socket_ = -1;
+  Clock::time_point begin_;
+  UdpPose pose_;  // the thread's, once it runs
+  Mailbox<DeviceReading> readings_;
+  CommandQueue commands_;
+  int given_ = 0, command_ = 0;  // the servo thread's; the one that is sent
+  std::atomic<bool> stop_{false}, silent_now_{false};
+  std::thread thread_;
+};
+
+}  // namespace
+
+std::unique_ptr<Device> with_witness(std::unique_ptr<Device> device, int port, double silent_s) {
+  return std::make_unique<WitnessedDevice>(std::move(device), port, silent_s);
+}
+
+}  // namespace trephine::device
