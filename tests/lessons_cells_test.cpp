@@ -99,6 +99,11 @@ TEST(LongLessonsCells, TheTipOfTheCatheter) {
     const double off = norm(tip - foramen), inside = in_ventricles(tip);
     const std::string why = d.row("tip").why.english();
     ++seen[why];
+    const bool drains = d.points("tip") > 1;
+    EXPECT_EQ(d.score.known("kakarla_grade"), drains || failed_by(d.score, "brainstem")) << why;
+    if (drains) {
+      EXPECT_EQ(d.score.count("kakarla_grade"), why == "in the contralateral ventricle" ? 2 : 1) << why;
+    }
     EXPECT_EQ(d.score.flag("first_pass"), d.points("tip") >= 3 && why != "in the contralateral ventricle") << why;
     cells.saw(d.points("tip"));
     if (std::abs(off - 5) < 0.05 || std::abs(off - 10) < 0.05) return;  // on a limit: the score may round either way

@@ -139,6 +139,35 @@ TEST(SpineNeedle, ABreachIsMeasuredWithItsSide) {
   }
 }
 
+TEST(PedicleScrew, ItsPlaceHasAGradeByEachWall) {
+  SpineCase& c = spine();
+  const cases::CaseManifest& manifest = c.felt().loaded.manifest;
+  const std::vector<lessons::CasePedicle> pedicles = lessons::pedicles_of(manifest);
+  const lessons::CasePedicle& p = pedicles.front();
+  const int bone = lessons::spine_bone_of(manifest);
+  constexpr double half_width = 4.5, half_height = 7.5, radius = 3.25, voxel = 0.6;
+  const Vec3 f = p.forwards(), ways[] = {-p.outer(), p.outer(), p.up(), -p.up()};
+  for (int wall = 0; wall < 4; ++wall)
+    for (const double beyond : {-1.0, 1.0, 3.0, 5.0, 7.0}) {
+      const double half = wall < 2 ? half_width : half_height;
+      const Vec3 off = ways[wall] * (half - radius + beyond);
+      lessons::NeedlePass screw;
+      screw.diameter_mm = 2 * radius;
+      screw.length_mm = 45;
+      screw.in_place = true;
+      // Before that it went through the other wall: what was drawn back is of the row of breaches, not of the grade.
+      screw.path = {{1, p.entry_mm + f * 20 - off * 3, -f, 0}, {2, p.entry_mm + off + f * 25, -f, 0}};
+      const lessons::PedicleBreach b = lessons::breach_in_place(p, screw, c.felt().loaded.haptic, bone);
+      EXPECT_NEAR(b.walls_mm[wall], std::max(0.0, beyond), voxel) << wall << ", " << beyond;
+      EXPECT_EQ(lessons::gertzbein_grade(b), beyond < 0   ? 0
+                                             : beyond < 2 ? 1
+                                             : beyond < 4 ? 2
+                                             : beyond < 6 ? 3
+                                                          : 4)
+          << wall << ", " << beyond << ": " << b.depth_mm;
+    }
+}
+
 TEST(SpineNeedle, EveryPassIsKeptAndTheWorstBreachCounts) {
   const auto d = spine().run(needle("\"entry_aside_mm\": -6, \"target_aside_mm\": -6") + ", " + needle() +
                              R"(, {"shoot": {}}, "finish")");

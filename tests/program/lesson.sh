@@ -31,7 +31,7 @@ import csv, sys
 rows = list(csv.DictReader(open(sys.argv[1])))
 assert [(r["participant"], r["attempt"], r["case"]) for r in rows] == [("r-01", "1", "head-drilled"), ("r-01", "2", "head-drilled")], rows
 assert rows[0]["points"] == "25" and rows[0]["landmarks_score"] == "" and rows[0]["tip_score"] == "5", rows[0]
-assert rows[0]["first_pass"] == "1" and abs(float(rows[0]["depth_mm"]) - 55.7) < 2, rows[0]
+assert rows[0]["first_pass"] == "1" and rows[0]["kakarla_grade"] == "1" and abs(float(rows[0]["depth_mm"]) - 55.7) < 2, rows[0]
 PY
 echo 'name,score' >"$work/foreign.csv"
 expect 65 'foreign.csv: columns: are not those' "${score[@]}" --log "$work/foreign.csv"

@@ -80,4 +80,4 @@ grep -Eq '^1 +spine +- +3 +pedicle_2_left +- +35 of 35 points: 5 5 5 5 5 5 5, co
 "$OFFLINE" rubric "$SOURCE/configs/rubrics/pedicle_screw.yaml" --output "$work/screw.json" >/dev/null
 "$TREPHINE" lesson "$library/spine" --script "$SOURCE/examples/lessons/pedicle_screw.json" --record "$work/screw.lesson" >/dev/null
 "$TREPHINE" score "$work/screw.lesson" --case "$library/spine" --rubric "$work/screw.json" --page "$work/screw.html" >"$work/text"
-grep -q '^50 of 50 points (30 of 30 by the table), completed; finished, passes: 2, errors: 0, acceptable$' "$work/text" || { cat "$work/text"; fail "no perfect screw"; }
+grep -q '^50 of 50 points (30 of 30 by the table), completed; finished, passes: 2, errors: 0, acceptable, grade A$' "$work/text" || { cat "$work/text"; fail "no perfect screw"; }

@@ -58,6 +58,9 @@ LessonType pedicle_screw_lesson() {
   m.columns.push_back({"acceptable", "1 or 0: not more errors than the rubric allows", ""});
   m.columns.push_back({"screw_length_mm", "of the screw in place; 0: none", ""});
   m.columns.push_back({"screw_diameter_mm", "of the screw in place; 0: none", ""});
+  for (const char* wall : {"medial", "lateral", "upper", "lower"})
+    m.columns.push_back({std::string(wall) + "_wall_mm", "how far the screw in place stands beyond that wall", ""});
+  m.columns.push_back({"gertzbein_grade", "of the screw in place by Gertzbein and Robbins: 0 (A) to 4 (E)", ""});
   m.columns.push_back({"passes_count", "how often a tool entered bone", ""});
   m.columns.push_back({"shots_count", "how often X-rays were on", ""});
   m.steps = spine_steps();
@@ -87,13 +90,15 @@ LessonType pedicle_screw_lesson() {
   };
   m.facts_json = spine_facts_json;
   m.outcome = [](const LessonFacts&, const LessonScore& score) {
-    return texts::Phrase("passes: {}, errors: {}, {}",
+    const bool graded = score.known("gertzbein_grade");
+    return texts::Phrase("passes: {}, errors: {}, {}, grade {}",
                          {std::to_string(score.count("passes_count")),
                           score.known("errors_count") ? std::to_string(score.count("errors_count")) : "not judged",
                           !score.flag("screw_in_bone") ? "no screw lies in bone"
                           : !score.known("acceptable") ? "the pedicle is doubtful"
                           : score.flag("acceptable")   ? "acceptable"
-                                                       : "not acceptable"});
+                                                       : "not acceptable",
+                          graded ? std::string(1, char('A' + score.count("gertzbein_grade"))) : "not judged"});
   };
   m.headline = [](const LessonFacts&, const LessonScore& score) {
     return texts::Phrase("errors of the screw: {}",

@@ -206,6 +206,12 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
                    {"screw_diameter_mm", pass ? Value(pass->diameter_mm) : unknown},
                    {"passes_count", int(facts.passes.size())},
                    {"shots_count", int(facts.shots.size())}};
+  const bool graded = pass && none.empty() && doubt.empty();
+  const PedicleBreach lies = graded ? breach_in_place(*e.pedicle, *pass, before, bone) : PedicleBreach();
+  const char* const walls[] = {"medial_wall_mm", "lateral_wall_mm", "upper_wall_mm", "lower_wall_mm"};  // Wall
+  for (int wall = 0; wall < 4; ++wall)
+    score.figures.push_back({walls[wall], graded ? Value(lies.walls_mm[wall]) : unknown});
+  score.figures.push_back({"gertzbein_grade", graded ? Value(gertzbein_grade(lies)) : unknown});
   return score;
 }
 

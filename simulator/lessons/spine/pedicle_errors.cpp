@@ -29,10 +29,12 @@ double wall_mm(const voxel::HapticDecoder& volume, int bone, Vec3 from, Vec3 way
   return last;
 }
 
-const char* side_of(const CasePedicle& p, Vec3 way) {
+constexpr const char* wall_names[] = {"medial", "lateral", "upper", "lower"};
+
+PedicleBreach::Wall side_of(const CasePedicle& p, Vec3 way) {
   const double o = dot(way, p.outer()), u = dot(way, p.up());
-  if (std::abs(u) > std::abs(o)) return u > 0 ? "upper" : "lower";
-  return o > 0 ? "lateral" : "medial";
+  if (std::abs(u) > std::abs(o)) return u > 0 ? PedicleBreach::upper : PedicleBreach::lower;
+  return o > 0 ? PedicleBreach::lateral : PedicleBreach::medial;
 }
 
 }  // namespace
@@ -104,9 +106,11 @@ PedicleBreach find_breach(const CasePedicle& p, const NeedlePass& pass, const vo
       const double off_mm = norm(off);
       if (!(off_mm > 1e-6)) continue;
       const double beyond = off_mm - wall_mm(decoder, bone, on_axis, off / off_mm);
-      const std::string side = side_of(p, off);
+      const PedicleBreach::Wall wall = side_of(p, off);
+      const char* const side = wall_names[wall];
+      worst.walls_mm[wall] = std::max(worst.walls_mm[wall], beyond);
       if (beyond > worst.depth_mm) worst.depth_mm = beyond, worst.side = side, worst.at_mm = at, worst.time_s = time_s;
-      if (side == "medial")
+      if (wall == PedicleBreach::medial)
         worst.medial_mm = std::max(worst.medial_mm, beyond);
       else if (beyond > worst.other_mm)
         worst.other_mm = beyond, worst.other_side = side, worst.other_s = time_s;
@@ -121,6 +125,18 @@ PedicleBreach find_breach(const CasePedicle& p, const NeedlePass& pass, const vo
   // Less than the volume's own step is none.
   if (worst.depth_mm < 0.5 * volume.voxels.spacing_mm.x) worst = {};
   return worst;
+}
+
+PedicleBreach breach_in_place(const CasePedicle& pedicle, const NeedlePass& pass, const voxel::HapticVolume& volume,
+                              int bone) {
+  NeedlePass end = pass;
+  end.path = {pass.path.back()};
+  return find_breach(pedicle, end, volume, bone);
+}
+
+int gertzbein_grade(const PedicleBreach& breach) {
+  if (!(breach.depth_mm > 0)) return 0;
+  return breach.depth_mm < 2 ? 1 : breach.depth_mm < 4 ? 2 : breach.depth_mm < 6 ? 3 : 4;
 }
 
 }  // namespace trephine::lessons

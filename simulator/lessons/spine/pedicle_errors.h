@@ -34,9 +34,11 @@ DeepestTip deepest_tip(const CasePedicle& pedicle, const std::vector<NeedlePass>
 
 /// How far a needle came through the wall of a pedicle.
 struct PedicleBreach {
-  double medial_mm = 0;  ///< the same of the wall towards the canal alone
-  double other_mm = 0;   ///< and of the three others
-  double other_s = 0;    ///< when it was that
+  enum Wall { medial, lateral, upper, lower };
+  double walls_mm[4] = {};  ///< beyond each wall
+  double medial_mm = 0;     ///< the same of the wall towards the canal alone
+  double other_mm = 0;      ///< and of the three others
+  double other_s = 0;       ///< when it was that
   std::string other_side;
   double depth_mm = 0;  ///< of the needle's side beyond the wall; 0: none
   std::string side;     ///< "medial", "lateral", "upper" or "lower"
@@ -48,6 +50,13 @@ struct PedicleBreach {
 /// the axis is a pedicle or a body; farther than 40 mm off there is no wall.
 PedicleBreach find_breach(const CasePedicle& pedicle, const NeedlePass& pass, const voxel::HapticVolume& volume,
                           int bone);
+
+/// What lies in the pedicle by the grades of a screw [Gertzbein1990]: how far its side stands beyond a wall, with the
+/// screw as it lies at the end of the pass. 0 (A): within; 1 (B): less than 2 mm; 2 (C): less than 4; 3 (D): less than
+/// 6; 4 (E): 6 mm and more.
+PedicleBreach breach_in_place(const CasePedicle& pedicle, const NeedlePass& pass, const voxel::HapticVolume& volume,
+                              int bone);
+int gertzbein_grade(const PedicleBreach& breach);
 
 /// The narrowest width of the pedicle across its axis, between medial and lateral wall; 0 where it has none.
 double pedicle_width_mm(const CasePedicle& pedicle, const voxel::HapticVolume& volume, int bone);

@@ -82,7 +82,7 @@ std::vector<LessonText> spine_words() {
       {"the needle lies in bone", "die Nadel liegt im Knochen"},
       {"the needle lies in no bone", "die Nadel liegt in keinem Knochen"},
       {"errors of the screw: {}", "Fehler der Schraube: {}"},
-      {"passes: {}, errors: {}, {}", "Durchgänge: {}, Fehler: {}, {}"},
+      {"passes: {}, errors: {}, {}, grade {}", "Durchgänge: {}, Fehler: {}, {}, Grad {}"},
       {"acceptable", "annehmbar"},
       {"not acceptable", "nicht annehmbar"},
   };

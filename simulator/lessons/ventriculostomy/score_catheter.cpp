@@ -353,6 +353,16 @@ LessonScore score_ventriculostomy(const VentriculostomyFacts& facts, const cases
                    {"first_pass", first_pass},
                    {"contralateral", contralateral},
                    {"third_ventricle", third_ventricle}};
+  // The grade of its place [Kakarla2008]: 1 the ventricle of its side or the third, 2 the other one, 3 what must not be
+  // entered. What of the brain is eloquent a case seldom shows: then it has no grade.
+  LessonFigure& grade = score.figures.emplace_back(LessonFigure{"kakarla_grade", std::monostate{}});
+  if (const CatheterPass* pass = s.final_pass(); pass && !pass->path.empty() && s.foramen_doubt().empty()) {
+    const PassPoint& end = pass->path.back();
+    if (in_ventricle || third_ventricle)
+      grade.value = contralateral ? 2 : 1;
+    else if (const std::string zone = s.critical_at(*pass, end); zone == "brainstem" || zone == "eloquent_zone")
+      grade.value = 3;
+  }
   if (facts.from_scan)
     for (LessonFigure& figure : score.figures)
       if (facts.passes.empty() || figure.name == "passes_count" || figure.name == "first_pass")

@@ -255,6 +255,8 @@ LessonType ventriculostomy_lesson() {
   m.columns.push_back({"passes_count", "how often the catheter entered the brain", ""});
   for (const char* name : {"in_ventricle", "first_pass", "contralateral", "third_ventricle"})
     m.columns.push_back({name, "1 or 0, of the catheter's last place", ""});
+  m.columns.push_back(
+      {"kakarla_grade", "1 to 3, of the catheter's last place; empty where the case does not show it", ""});
   m.columns.push_back({"dura_passed", "1 or 0: a catheter gave way through the dura; empty where none is felt", ""});
   m.columns.push_back({"dura_breached", "1 or 0: the burr pressed on the dura with more than it bears", ""});
   m.columns.push_back({"burr_on_dura_n", "the largest force of the running burr while it touched the dura", ""});
