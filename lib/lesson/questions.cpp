@@ -33,8 +33,14 @@ std::string Question::fault() const {
 }
 
 std::string questions_fault(const std::vector<Question>& questions, const std::vector<std::string>& errors) {
+  std::size_t letters = 0;
   for (std::size_t n = 0; n < questions.size(); ++n) {
     const Question& q = questions[n];
+    letters += q.question.size() + (q.offers == Question::Offers::listed ? 0 : 3 * 32);  // tokens and tasks
+    for (const QuestionChoice& c : q.choices) letters += c.choice.size() + 1;
+    if (letters > most_name_letters)
+      return "questions: " + q.question + ": the names of questions and choices up to here have " +
+             std::to_string(letters) + " letters, at most " + std::to_string(most_name_letters) + ": shorten them";
     const bool known = q.when == Question::before || q.when == Question::after ||
                        std::find(errors.begin(), errors.end(), q.when) != errors.end();
     if (!known)

@@ -24,6 +24,10 @@ struct QuestionChoice {
   }
 };
 
+constexpr std::size_t most_questions = 16, most_choices = 8;
+/// Letters of all their names together, which a recording's header holds.
+constexpr std::size_t most_name_letters = 1000;
+
 struct Question {
   /// What is offered: the choices that are listed; the token of the case beside others; the task of the lesson beside
   /// others that the case offers. Of the last two the right one follows from the case and from what is asked for.
@@ -50,12 +54,10 @@ struct Question {
     v.text(&P::text_de, "text_de", "The question in German; a German page shows `text` where it is left out.");
     v.text(&P::why, "why", "Why the right answer is right.").is_required();
     v.text(&P::why_de, "why_de", "The same in German.");
-    v.list(&P::choices, "choices", "The answers of a question that lists them.").at_most(8);
+    v.list(&P::choices, "choices", "The answers of a question that lists them.").at_most(most_choices);
   }
   std::string fault() const;
 };
-
-constexpr std::size_t most_questions = 16, most_choices = 8;
 
 /// What is wrong with such a list, as a struct's fault() says it; "": nothing. `errors`: the critical errors that the
 /// rubric lists.

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "base/progress.h"
 #include "base/signature.h"
 #include "cli/argument.h"
@@ -40,12 +41,13 @@ struct RecordServerParams {
   }
 };
 
-// Until the lesson was finished, the device was lost, or the time is over.
-void follow(session::Session& session, std::atomic<bool>& stop) {
+// Until the lesson was finished, the device was lost, or the time is over. `seen` takes all frames.
+void follow(session::Session& session, std::atomic<bool>& stop, Sha256& seen) {
   std::uint32_t buttons = 0;
   while (session.running()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
     for (const haptics::ServoFrame& f : session.take_frames()) {
+      seen.bytes(&f, sizeof f);
       if (haptics::belt_command::new_of(f.buttons, buttons) == haptics::belt_command::finish) stop = true;
       if (f.faults & ~haptics::haptic_fault::passing) stop = true;
       buttons = f.buttons;
@@ -61,7 +63,13 @@ ExitCode run_record_server(const cli::ParsedCommand& parsed) {
   if (rubric.module != p.module)
     throw Error(ExitCode::usage, parsed.text("rubric"), "module", rubric.module + ", but --module is " + p.module);
   const fs::path record = parsed.path("record"), key = parsed.path("key");
-  if (fs::exists(record)) throw Error(ExitCode::cannot_create, record.string(), "", "is there already");
+  const auto beside = [&](const char* extension) { return fs::path(record).replace_extension(extension); };
+  for (const fs::path& file : {record, beside(".json"), beside(".html"), lessons::signature_file(record)}) {
+    if (fs::exists(file)) throw Error(ExitCode::cannot_create, file.string(), "", "is there already");
+  }
+  if (const fs::path end = record.extension(); end == ".json" || end == ".html" || end == ".sig")
+    throw Error(ExitCode::usage, record.string(), "--record",
+                "ends as a file that is written beside it; end it in .lesson");
   signature_of_bytes("", key);  // a key that cannot sign is refused before the lesson
 
   const auto patient =
@@ -72,10 +80,6 @@ ExitCode run_record_server(const cli::ParsedCommand& parsed) {
   session::SessionOptions o;
   o.case_folder = parsed.path("case");
   o.device.name = "udp";
-  device::UdpParams udp;
-  udp.port = p.port;
-  udp.wait_s = p.wait_s;
-  o.device.params = {AnyParams::make<device::UdpParams>(udp)};
   o.servo = parsed.params<haptics::ServoParams>();
   o.contact = parsed.params<contact::ContactParams>();
   o.force = parsed.params<haptics::ForceParams>();
@@ -92,9 +96,20 @@ ExitCode run_record_server(const cli::ParsedCommand& parsed) {
     o.asked = lessons::as_asked(lessons::questions_for(*rubric.common, type, manifest, o.task, p.participant));
   o.record = record;
   o.watched = true;
+  device::UdpParams udp;
+  udp.port = p.port;
+  udp.wait_s = p.wait_s;
+  o.own_device = [&](const device::DeviceScene& scene) {
+    auto device = std::make_unique<device::UdpDevice>(udp, scene.realtime, device::UdpDevice::monotonic_ns,
+                                                      session::lesson_number(patient->felt.case_sha256, o));
+    scene.say({texts::NoteId::waiting_for_device, {device->endpoint()}});
+    device->wait(Progress({}, &cancel_requested()));
+    return device;
+  };
   o.seconds = p.most_s;
   std::atomic<bool> stop{false};
   session::SessionResult result;
+  Sha256 seen;
   {
     session::Session session(
         o, stop,
@@ -103,16 +118,23 @@ ExitCode run_record_server(const cli::ParsedCommand& parsed) {
         },
         patient);
     session.start();
-    follow(session, stop);
+    follow(session, stop, seen);
     result = session.finish();
+    for (const haptics::ServoFrame& f : session.last_frames()) seen.bytes(&f, sizeof f);
   }
   if (result.frames_lost > 0)
     throw Error(ExitCode::io, record.string(), "",
                 "the disk was too slow for all ticks: not signed, do the lesson again");
-  lessons::sign_recording(record, key);
+  // What is signed is read from the disk, where another file may lie by now.
+  const haptics::Recording read = haptics::read_recording(record);
+  Sha256 there;
+  for (const haptics::ServoFrame& f : read.frames) there.bytes(&f, sizeof f);
+  if (there.hex() != seen.hex() || read.header.participant != o.participant || read.header.task != o.task ||
+      read.header.rubric_sha256 != o.rubric_sha256 || read.header.case_sha256 != result.header.case_sha256)
+    throw Error(ExitCode::quality, record.string(), "", "was exchanged before it could be signed: not signed");
+  lessons::sign_recording(read, record, key);
   std::cout << lessons::signature_file(record).string() << "\n";
   lessons::ScoredLesson scored = lessons::score_recording(record, o.case_folder, rubric);
-  const auto beside = [&](const char* extension) { return fs::path(record).replace_extension(extension); };
   lessons::write_report(scored, o.case_folder, {beside(".json"), beside(".html"), {}});
   std::cout << lessons::score_text(scored.head, *scored.facts, scored.score);
   return ExitCode::ok;

@@ -80,11 +80,12 @@ struct UdpDevice::Network {
   }
 };
 
-UdpDevice::UdpDevice(const UdpParams& params, bool realtime, Clock clock)
+UdpDevice::UdpDevice(const UdpParams& params, bool realtime, Clock clock, std::uint32_t only_session)
     : params_(params),
       timeout_ns_(std::int64_t(params.timeout_ms * 1e6)),
       lost_ns_(timeout_ns_ + std::int64_t(params.resume_s * 1e9)),
       clock_(clock),
+      only_session_(only_session),
       network_(std::make_unique<Network>()) {
   Address at;
   if (!parse_address(params.address, params.port, at))
@@ -170,7 +171,8 @@ void UdpDevice::serve() {
     const bool same = net.there && from == net.client && in.pose.session == net.session;
     const bool silent = net.there && in.received_ns - net.heard_ns > timeout_ns_;
     const bool gone = silent && (!same || in.received_ns - net.heard_ns > lost_ns_);
-    if (net.there && !same && !silent) {
+    const bool other_lesson = only_session_ != 0 && in.pose.session != only_session_;
+    if (other_lesson || (net.there && !same && !silent)) {
       ++strangers_;
       UdpForce busy;
       busy.version = in.pose.version;

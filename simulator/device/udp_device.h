@@ -45,7 +45,9 @@ class UdpDevice : public Device {
   static std::int64_t monotonic_ns();
   /// Listens from now on. Throws Error 64 for an address that is not valid, 74 where it cannot be used. `realtime` asks
   /// for SCHED_FIFO below the servo's priority.
-  explicit UdpDevice(const UdpParams& params, bool realtime = false, Clock clock = monotonic_ns);
+  /// `only_session`: poses of another session are strangers' (UdpPose::session); 0: any.
+  explicit UdpDevice(const UdpParams& params, bool realtime = false, Clock clock = monotonic_ns,
+                     std::uint32_t only_session = 0);
   ~UdpDevice() override;
   UdpDevice(const UdpDevice&) = delete;
   UdpDevice& operator=(const UdpDevice&) = delete;
@@ -76,6 +78,7 @@ class UdpDevice : public Device {
   UdpParams params_;
   std::int64_t timeout_ns_, lost_ns_;
   const Clock clock_;
+  const std::uint32_t only_session_;
   std::string endpoint_;
   int port_ = 0;
   std::unique_ptr<Network> network_;  // the thread's

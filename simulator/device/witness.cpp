@@ -13,7 +13,9 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <string>
 #include <thread>
+#include <utility>
 
 #include "base/error.h"
 #include "device/mailbox.h"
@@ -25,15 +27,18 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds between_poses{1}, patience{20};
+constexpr std::chrono::seconds first_answer{30}, longest_silence{10}, last_commands{2};
 
-/// What one thread writes and another reads in the same order; it forgets nothing, unless it is full.
+/// What one thread writes and another reads in the same order.
 class CommandQueue {
  public:
-  void push(int command) {
+  /// False where it is full.
+  bool push(int command) {
     const std::size_t at = end_.load(std::memory_order_relaxed);
-    if (at - begin_.load(std::memory_order_acquire) == commands_.size()) return;
+    if (at - begin_.load(std::memory_order_acquire) == commands_.size()) return false;
     commands_[at % commands_.size()] = command;
     end_.store(at + 1, std::memory_order_release);
+    return true;
   }
   bool pop(int& command) {
     const std::size_t at = begin_.load(std::memory_order_relaxed);
@@ -50,9 +55,7 @@ class CommandQueue {
 
 class WitnessedDevice : public Device {
  public:
-  WitnessedDevice(std::unique_ptr<Device> device, int port, double silent_s)
-      : device_(std::move(device)),
-        silent_(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(silent_s))) {
+  WitnessedDevice(std::unique_ptr<Device> device, int port, std::uint32_t session) : device_(std::move(device)) {
     sockaddr_in to{};
     to.sin_family = AF_INET;
     to.sin_port = htons(std::uint16_t(port));
@@ -60,19 +63,22 @@ class WitnessedDevice : public Device {
     socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     const bool there = socket_ >= 0 && ::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0;
     begin_ = Clock::now();
-    pose_.session = std::uint32_t(::getpid()) ^ std::uint32_t(begin_.time_since_epoch().count());
+    pose_.session = session;
     pose_.reading.buttons = haptics::haptic_button::lifted;
     bool answered = false;
-    while (there && !answered && Clock::now() - begin_ < silent_) {
-      send_pose();
+    while (there && !answered && !refused_ && Clock::now() - begin_ < first_answer) {
+      if (!send_pose() && errno == ECONNREFUSED) break;  // nothing listens there
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
       answered = answers() > 0;
     }
     if (!answered) {
       if (socket_ >= 0) ::close(socket_);
+      const std::string where = "at port " + std::to_string(port) + " of this machine";
       throw Error(ExitCode::io, "", "--record-server-port",
-                  "nobody answers at port " + std::to_string(port) +
-                      " of this machine: start `trephine-sim record-server` first");
+                  refused_ ? "the record server " + where +
+                                 " is for another participant, task, case or rubric, or is held by another window: "
+                                 "start `trephine-sim record-server` with what this lesson has"
+                           : "nobody answers " + where + ": start `trephine-sim record-server` first");
     }
     thread_ = std::thread([this] { serve(); });
   }
@@ -88,7 +94,7 @@ class WitnessedDevice : public Device {
     const bool there = device_->read(dt_s, out);
     if (there && !out.silent) {
       const int command = haptics::belt_button::command(out.buttons);
-      if (command != given_) commands_.push(given_ = command);
+      if (command != given_ && !commands_.push(given_ = command)) silent_now_ = true;  // nothing may be forgotten
       readings_.write(out);
     }
     return there && !silent_now_.load(std::memory_order_relaxed);
@@ -98,7 +104,7 @@ class WitnessedDevice : public Device {
   std::vector<std::pair<std::string, std::uint64_t>> counts() const override { return device_->counts(); }
 
  private:
-  void send_pose() {
+  bool send_pose() {
     namespace button = haptics::belt_button;
     const std::uint32_t buttons = pose_.reading.buttons;
     ++pose_.sequence;
@@ -108,7 +114,7 @@ class WitnessedDevice : public Device {
     pose_.tool = button::tool(buttons);
     pose_.command = command_;
     const UdpBytes packet = encode_pose(pose_);
-    ::send(socket_, packet.data(), packet.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+    return ::send(socket_, packet.data(), packet.size(), MSG_DONTWAIT | MSG_NOSIGNAL) == ssize_t(packet.size());
   }
   // The last pose that was answered since the last call; 0: none.
   std::uint64_t answers() {
@@ -116,45 +122,58 @@ class WitnessedDevice : public Device {
     std::uint64_t last = 0;
     for (ssize_t count; (count = ::recv(socket_, bytes, sizeof bytes, MSG_DONTWAIT)) > 0;) {
       UdpForce force;
-      if (decode_force(bytes, std::size_t(count), force) && !force.busy && force.session == pose_.session)
+      if (!decode_force(bytes, std::size_t(count), force) || force.session != pose_.session) continue;
+      if (force.busy)
+        refused_ = true;
+      else
         last = std::max(last, force.answers);
     }
     return last;
   }
   void serve() {
     ::prctl(PR_SET_TIMERSLACK, 1000);
-    Clock::time_point heard = Clock::now(), next = heard;
+    Clock::time_point next = Clock::now(), read = next - patience, waits_since, end;
     std::uint64_t command_since = 0;  // the first pose with this command
-    Clock::time_point read = Clock::now() - patience;
-    while (!stop_) {
+    bool waits = false, taken = true, ending = false;
+    for (;;) {
+      if (stop_ && !std::exchange(ending, true)) end = Clock::now() + last_commands;
       if (readings_.read(pose_.reading)) read = Clock::now();
       // The server takes the newest pose of each of its ticks. So a command stays until one of them took it.
-      const std::uint64_t answered = answers();
-      if (answered > 0) heard = Clock::now();
-      if (answered >= command_since && commands_.pop(command_)) command_since = pose_.sequence + 1;
+      if (const std::uint64_t answered = answers(); answered > 0) {
+        waits = false;
+        taken = taken || answered >= command_since;
+      }
+      if (taken && commands_.pop(command_)) {
+        taken = false;
+        command_since = pose_.sequence + 1;
+      }
+      if (ending && (taken || Clock::now() > end)) return;
       pose_.reading.across = haptics::usable_across(pose_.reading.across, pose_.reading.axis);
-      if (Clock::now() - read < patience) send_pose();  // else the device is silent, as the server will find
-      if (Clock::now() - heard > silent_) silent_now_ = true;
+      if (ending || Clock::now() - read < patience) {  // else the device is silent, as the server will find
+        send_pose();
+        if (!std::exchange(waits, true)) waits_since = Clock::now();
+      }
+      if (waits && Clock::now() - waits_since > longest_silence) silent_now_ = true;
       std::this_thread::sleep_until(next = std::max(next + between_poses, Clock::now()));
     }
   }
 
   const std::unique_ptr<Device> device_;
-  const Clock::duration silent_;
   int socket_ = -1;
   Clock::time_point begin_;
   UdpPose pose_;  // the thread's, once it runs
   Mailbox<DeviceReading> readings_;
   CommandQueue commands_;
   int given_ = 0, command_ = 0;  // the servo thread's; the one that is sent
+  bool refused_ = false;
   std::atomic<bool> stop_{false}, silent_now_{false};
   std::thread thread_;
 };
 
 }  // namespace
 
-std::unique_ptr<Device> with_witness(std::unique_ptr<Device> device, int port, double silent_s) {
-  return std::make_unique<WitnessedDevice>(std::move(device), port, silent_s);
+std::unique_ptr<Device> with_witness(std::unique_ptr<Device> device, int port, std::uint32_t session) {
+  return std::make_unique<WitnessedDevice>(std::move(device), port, session);
 }
 
 }  // namespace trephine::device

@@ -82,6 +82,8 @@ constexpr Wording words[] = {
       "{}: war nach einem anderen Raster bewertet und wird neu bewertet"}},
     {{"{}: its signature is of another recording: not signed",
       "{}: seine Unterschrift ist die einer anderen Aufnahme: nicht unterschrieben"}},
+    {{"{}: what is signed names another rubric or none: not signed",
+      "{}: was unterschrieben ist, nennt einen anderen Bewertungsbogen oder keinen: nicht unterschrieben"}},
     {{"{}: its signature is not by the owner of the public key: not signed",
       "{}: seine Unterschrift ist nicht vom Inhaber des öffentlichen Schlüssels: nicht unterschrieben"}},
     {{"{}: its motion is that of {}, and it is left out", "{}: seine Bewegung ist die von {}, es wird weggelassen"}},

@@ -2,6 +2,7 @@
 #include "lessons/decisions.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "base/hash.h"
@@ -13,6 +14,9 @@ namespace {
 
 using lesson::Question;
 
+// Each question and each answer has a number of its own in a command.
+static_assert(haptics::belt_command::answer(int(lesson::most_questions) - 1, int(lesson::most_choices) - 1) == 0xff);
+
 // What the wrong answers of a token or a task are drawn by.
 std::string drawn(const std::string& seed, const std::string& name) { return sha256_of_bytes(seed + "\n" + name); }
 
@@ -22,16 +26,29 @@ std::set<std::string> words_of(const std::string& name) {
   return words;
 }
 
-// Tokens that look like the case's own: its number, or else its end, is another.
+// Tokens that look like the case's own: its number, or else its last letters, are others.
 std::vector<std::string> tokens_beside(const std::string& token, const std::string& seed) {
   const std::size_t digits = token.find_last_not_of("0123456789") + 1;
   std::vector<std::string> all;
-  if (digits < token.size() && token.size() - digits <= 6) {
-    const int number = std::stoi(token.substr(digits));
+  if (digits < token.size()) {
+    const std::size_t width = std::min<std::size_t>(token.size() - digits, 6);
+    const std::string before = token.substr(0, token.size() - width);
+    const int number = std::stoi(token.substr(before.size())), most = int(std::pow(10, width)) - 1;
     for (const int step : {-2, -1, 1, 2, 10})
-      if (number + step > 0) all.push_back(token.substr(0, digits) + std::to_string(number + step));
+      if (number + step > 0 && number + step <= most) {
+        const std::string text = std::to_string(number + step);
+        all.push_back(before + std::string(width - text.size(), '0') + text);
+      }
+    for (int other = 1; all.size() < 2; ++other)  // of one digit that leaves too few
+      if (other != number) all.push_back(before + std::to_string(other));
   } else {
-    for (const char* end : {"-2", "-3", "-b"}) all.push_back(token + end);
+    for (std::size_t n = 0; all.size() < 3; ++n) {
+      std::string other = token;
+      const std::string letters = drawn(seed, std::to_string(n));  // of a to f and digits
+      for (std::size_t at = other.size() > 2 ? other.size() - 2 : 0, k = 0; at < other.size(); ++at)
+        other[at] = char('a' + (letters[k++] * 7 + int(n)) % 26);
+      if (other != token && std::find(all.begin(), all.end(), other) == all.end()) all.push_back(other);
+    }
   }
   std::sort(all.begin(), all.end(), [&](const auto& a, const auto& b) { return drawn(seed, a) < drawn(seed, b); });
   all.resize(2);
@@ -135,9 +152,19 @@ QuestionText text_of(const lesson::LessonRubric& rubric, const haptics::AskedQue
 }
 
 void judge_decisions(LessonScore& score, const LessonFacts& facts, const std::vector<haptics::AskedQuestion>& asked,
-                     const lesson::LessonRubric& rubric, const std::string& case_token) {
-  if (!rubric.wrong_answers_count) return;
-  bool timed_out = true;  // the time-out was done before the patient was cut
+                     const lesson::LessonRubric& rubric, const std::string& case_token, bool of_rubric) {
+  if (!rubric.wrong_answers_count || asked.empty()) return;
+  ScoreRow row;
+  row.name = "decisions";
+  row.title = "Time-out and decisions";
+  row.beside = true;
+  if (!of_rubric) {
+    row.why = "it was asked by another rubric";
+    score.rows.push_back(std::move(row));
+    return;
+  }
+  // Whether the time-out was done before the patient was cut, and named this patient and what was asked for.
+  bool timed_out = true, right_place = true;
   int wrong = 0;
   double decided_s = std::max(0.0, facts.first_cut_s);
   for (std::size_t n = 0; n < asked.size(); ++n) {
@@ -147,14 +174,16 @@ void judge_decisions(LessonScore& score, const LessonFacts& facts, const std::ve
     d.question = q->question;
     d.when = q->when;
     const bool before = q->when == Question::before;
+    std::optional<double> since_s;
     if (!before && q->when != Question::after) {  // the consequence of what may not have happened
       const auto error = std::find_if(score.critical.begin(), score.critical.end(),
                                       [&](const CriticalError& e) { return e.rule.error == q->when; });
       if (error == score.critical.end()) continue;
+      since_s = error->at_s;
     }
     const std::string right = right_of(*q, facts.task, case_token);
     for (const GivenAnswer& a : facts.answers)
-      if (a.question == int(n) && std::size_t(a.choice) < asked[n].choices.size()) {
+      if (a.question == int(n) && std::size_t(a.choice) < asked[n].choices.size() && a.time_s >= since_s.value_or(0)) {
         d.given = asked[n].choices[std::size_t(a.choice)];
         d.at_s = a.time_s;
         const bool late = before && facts.first_cut_s >= 0 && a.time_s > facts.first_cut_s;
@@ -162,6 +191,7 @@ void judge_decisions(LessonScore& score, const LessonFacts& facts, const std::ve
         decided_s = std::max(decided_s, a.time_s);
       }
     timed_out = timed_out && !(before && (d.state == AnswerState::missing || d.state == AnswerState::late));
+    right_place = right_place && (q->offers == Question::Offers::listed || d.state == AnswerState::right);
     wrong += d.state != AnswerState::right;
     d.text = both(q->text, q->text_de);
     d.why = both(q->why, q->why_de);
@@ -171,9 +201,6 @@ void judge_decisions(LessonScore& score, const LessonFacts& facts, const std::ve
   }
   if (score.decisions.empty()) return;
   const lesson::FourLimits& limits = *rubric.wrong_answers_count;
-  ScoreRow row;
-  row.name = "decisions";
-  row.title = "Time-out and decisions";
   row.score = limits.score(wrong);
   row.why = wrong == 0 ? texts::Phrase("all were answered rightly and in time")
                        : texts::Phrase("{} of {} were not answered rightly and in time",
@@ -184,12 +211,13 @@ void judge_decisions(LessonScore& score, const LessonFacts& facts, const std::ve
                 {"three_count", limits.three},
                 {"two_count", limits.two}};
   row.decided_s = decided_s;
-  row.beside = true;
-  const char* left_out = "the time-out was left out";
-  if (!timed_out) lower(row, 1, left_out, facts.first_cut_s >= 0 ? facts.first_cut_s : decided_s);
+  const char* missing = !timed_out     ? "the time-out was left out"
+                        : !right_place ? "the time-out named another patient or task"
+                                       : "";
+  if (*missing) lower(row, 1, missing, facts.first_cut_s >= 0 ? facts.first_cut_s : decided_s);
   score.rows.push_back(std::move(row));
-  if (timed_out || !score.unreached.empty()) return;
-  score.unreached = left_out;
+  if (!*missing || !score.unreached.empty()) return;
+  score.unreached = missing;
   for (ScoreRow& r : score.rows)  // what was saved counts for those alone who completed it
     if (r.name == "time" && r.score) lower(r, 1, {"not completed: {}", {score.unreached}}, facts.first_cut_s);
 }

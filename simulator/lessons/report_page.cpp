@@ -254,6 +254,7 @@ std::string report_page(const ReportHead& head, const LessonFacts& facts, const 
     out += fmt::format("<p class=\"{}\"><b>{}</b></p>\n", fits ? "signed" : "failed",
                        say(fits ? signed_words : unsigned_words));
   }
+  for (const std::string& note : provenance_notes(head, language)) out += "<p><b>" + escaped(note) + "</b></p>\n";
   if (facts.undone > 0) out += "<p><b>" + fmt::format(fmt::runtime(say(undone_words)), facts.undone) + "</b></p>\n";
   out += rows_html(score, language) + decisions_html(score, language) + advice_html(score, language);
   if (!facts.from_scan) out += steps_html(guide_of(module, facts), language);

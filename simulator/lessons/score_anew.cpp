@@ -98,8 +98,7 @@ void score_anew(Results& results, const ScoreAnew& params) {
     now.signature = signature_for(signature_of(now.recording_sha256, recording, params.public_key),
                                   now.announced_rubric_sha256, params.rubric);
     if (now.signature == Signature::of_another_rubric)
-      results.notes.push_back({"{}: what is signed names {} rubric: not signed",
-                               {r.report, now.announced_rubric_sha256.empty() ? "no" : "another"}});
+      results.notes.push_back({"{}: what is signed names another rubric or none: not signed", {r.report}});
     if (now.signature == Signature::of_other_bytes)
       results.notes.push_back({"{}: its signature is of another recording: not signed", {r.report}});
     if (now.signature == Signature::by_another_key)

@@ -69,7 +69,8 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
   const LessonType& type = lesson_type(h.lesson);
   s.score = type.score(*s.facts, felt.loaded, before, rubric.rubric);
   require_same_questions(h, *s.facts, type, felt.loaded.manifest, rubric, file);
-  judge_decisions(s.score, *s.facts, h.asked, *rubric.common, h.case_token);
+  // What another rubric asked cannot be held against this one: the answers' order follows from the announced one.
+  judge_decisions(s.score, *s.facts, h.asked, *rubric.common, h.case_token, h.rubric_sha256 == rubric.sha256);
   s.head = {h.case_token,
             h.lesson,
             h.participant,
@@ -81,6 +82,7 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
             s.recording.seal,
             signature,
             h.rubric_sha256,
+            h.asked.empty() && !rubric.common->questions.empty(),
             motion_figures(s.recording.frames)};
   return s;
 }

@@ -70,12 +70,19 @@ Json json_of(const LessonType& module, const LessonFacts& f) {
   return out;
 }
 
+// Of what the points are, where that is not what one would think.
+constexpr texts::Wording announced_words{
+    {"The recording names another rubric than the one that gives these points.",
+     "Die Aufnahme nennt einen anderen Bewertungsbogen als den, der diese Punkte gibt."}},
+    unsigned_points_words{
+        {"The recording is signed, and these points are not: it does not name the rubric that gives them.",
+         "Die Aufnahme ist unterschrieben, diese Punkte sind es nicht: sie nennt den Bewertungsbogen "
+         "nicht, der sie gibt."}},
+    unasked_words{{"The rubric's questions were not asked: no time-out is judged.",
+                   "Die Fragen des Bewertungsbogens wurden nicht gestellt: kein Time-out wird bewertet."}};
+
 // What the table in the terminal says beside the rows.
 constexpr texts::Wording at_words{{", at {:.1f} s", ", bei {:.1f} s"}}, critical_words{{"CRITICAL", "SCHWERER FEHLER"}},
-    other_rubric_words{
-        {"the recording is signed, and names another rubric or none: these points are not what was signed",
-         "die Aufnahme ist unterschrieben und nennt einen anderen Bewertungsbogen oder keinen: diese "
-         "Punkte wurden nicht unterschrieben"}},
     decision_words{{"QUESTION: {} {}; right is: {}", "FRAGE: {} {}; richtig ist: {}"}},
     heat_words{{"bone at most {:.1f} degrees, as {:.2g} minutes at 43",
                 "Knochen höchstens {:.1f} Grad, wie {:.2g} Minuten bei 43"}},
@@ -93,6 +100,14 @@ constexpr texts::Wording at_words{{", at {:.1f} s", ", bei {:.1f} s"}}, critical
     table_words{{" ({} of {} by the table)", " ({} von {} nach der Tabelle)"}};
 
 }  // namespace
+
+std::vector<std::string> provenance_notes(const ReportHead& head, texts::Language language) {
+  std::vector<std::string> all;
+  if (head.other_rubric()) all.push_back(announced_words.of(language));
+  if (head.signature == Signature::of_another_rubric) all.push_back(unsigned_points_words.of(language));
+  if (head.unasked) all.push_back(unasked_words.of(language));
+  return all;
+}
 
 ScoreSum sum_of(const LessonScore& score) {
   ScoreSum sum;
@@ -160,6 +175,9 @@ std::string score_json(const ReportHead& head, const LessonFacts& facts, const L
   Json decisions = Json::array();
   for (const Decision& d : score.decisions) decisions.push_back(json_of(d));
   out["decisions"] = decisions;
+  Json notes = Json::array();
+  for (const std::string& note : provenance_notes(head, texts::Language::english)) notes.push_back(note);
+  out["provenance"] = notes;
   Json feedback = Json::array();
   for (const Advice& a : score.advice)
     feedback.push_back({{"row", a.row}, {"en", a.of(texts::Language::english)}, {"de", a.of(texts::Language::german)}});
@@ -203,7 +221,7 @@ std::string score_text(const ReportHead& head, const LessonFacts& facts, const L
   if (!head.measured && head.seal == haptics::Seal::absent) text += std::string(say(unsealed_words)) + "\n";
   if (head.seal == haptics::Seal::broken) text += std::string(say(broken_words)) + "\n";
   if (head.signature != Signature::not_asked) text += std::string(name_of(head.signature)) + "\n";
-  if (head.signature == Signature::of_another_rubric) text += std::string(say(other_rubric_words)) + "\n";
+  for (const std::string& note : provenance_notes(head, language)) text += note + "\n";
   for (const Advice& a : score.advice) text += a.of(language) + "\n";
   for (const std::string& sentence : motion_advice(head.motion, head.experts, language)) text += sentence + "\n";
   text += headline_of(score, language) + "\n";

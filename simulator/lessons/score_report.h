@@ -18,13 +18,18 @@ struct ReportHead {
   bool replayed = false;                                     ///< else the recording's answers were trusted
   haptics::Seal seal = haptics::Seal::absent;                ///< of the recording
   Signature signature = Signature::not_asked;
-  std::string announced_rubric_sha256 = {};                 ///< as the recording names it; empty: none
+  std::string announced_rubric_sha256 = {};  ///< as the recording names it; empty: none
+  bool unasked = false;                      ///< the rubric has questions, and the recording says that none was asked
   std::vector<std::pair<std::string, double>> motion = {};  ///< motion_figures()
   std::vector<ExpertBand> experts = {};                     ///< beside which they are shown; none: by themselves
   texts::Language language = texts::Language::english;      ///< of page and table; the JSON is for programs
   bool measured = false;                                    ///< LessonFacts::from_scan: there is no recording
+  bool other_rubric() const { return !announced_rubric_sha256.empty() && announced_rubric_sha256 != rubric_sha256; }
   const char* checked() const { return measured ? "measured" : replayed ? "replayed" : "trusted"; }
 };
+
+/// What is to be known of the points before they are believed: sentences, none where nothing is.
+std::vector<std::string> provenance_notes(const ReportHead& head, texts::Language language);
 
 /// The report of a scored lesson as JSON: rows with measured figures, limits and moments, and what happened; in
 /// English, but for `feedback`, which has each sentence in each language. It holds no time, host or path; the same

@@ -24,7 +24,7 @@ struct SignatureFile {
 
 // What is signed names its purpose, so that a signature for something else is never one of a recording.
 std::string signed_words(const std::string& recording_sha256) {
-  return "a recording that a teacher saw being made: " + recording_sha256;
+  return "a recording that its signer saw being made: " + recording_sha256;
 }
 
 }  // namespace
@@ -35,7 +35,11 @@ std::filesystem::path signature_file(const std::filesystem::path& recording) {
 }
 
 void sign_recording(const std::filesystem::path& recording, const std::filesystem::path& private_key) {
-  const haptics::Recording read = haptics::read_recording(recording);
+  sign_recording(haptics::read_recording(recording), recording, private_key);
+}
+
+void sign_recording(const haptics::Recording& read, const std::filesystem::path& recording,
+                    const std::filesystem::path& private_key) {
   haptics::require_seal(read, recording);
   SignatureFile s;
   s.recording_sha256 = read.sha256;

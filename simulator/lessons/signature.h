@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "haptics/recording.h"
 #include "lesson/rubric.h"
 
 namespace trephine::lessons {
@@ -16,6 +17,9 @@ std::filesystem::path signature_file(const std::filesystem::path& recording);
 /// Writes the signature by the private key. Throws Error 65 where the file is no recording; as signature_of_bytes and
 /// write_file do.
 void sign_recording(const std::filesystem::path& recording, const std::filesystem::path& private_key);
+/// The same of one that was read from there.
+void sign_recording(const haptics::Recording& read, const std::filesystem::path& recording,
+                    const std::filesystem::path& private_key);
 
 /// What lies beside a recording, for whoever has a public key; `fits`: a signature by its owner of these very bytes.
 /// `of_another_rubric`: it fits, and points by this rubric are not what was signed, for the recording names another one

@@ -58,6 +58,8 @@ const char* to_text(SignedState state) {
       return "not signed";
     case SignedState::recording:
       return "recording signed, points not compared";
+    case SignedState::other_rubric:
+      return "recording signed, which names another rubric or none";
     case SignedState::points:
       return "signed";
   }
@@ -79,7 +81,7 @@ SignedState signed_state(const SignedAttempt& attempt, const fs::path& case_fold
     throw Error(ExitCode::bad_input, attempt.recording.string(), "", "changed while it was read: run it again");
   require_same_report(attempt.report, score_json(fresh.head, *fresh.facts, fresh.score));
   // Where it names no rubric, nobody signed points by this one.
-  return fresh.head.signature == Signature::fits ? SignedState::points : SignedState::recording;
+  return fresh.head.signature == Signature::fits ? SignedState::points : SignedState::other_rubric;
 }
 
 }  // namespace trephine::lessons

@@ -11,8 +11,9 @@ namespace trephine::lessons {
 /// that the signed recording gives in its case by its rubric.
 enum class SignedState {
   not_signed,
-  recording,  ///< the recording is signed, and nobody compared the points: no rubric or no case is at hand
-  points,     ///< the report is what the signed recording gives
+  recording,     ///< the recording is signed, and nobody compared the points: no rubric or no case is at hand
+  other_rubric,  ///< the report is what the recording gives, which names another rubric or none
+  points,        ///< the report is what the signed recording gives
 };
 const char* to_text(SignedState state);
 

@@ -82,8 +82,11 @@ void add_row(const Row& row, const RecordingHeader& h, Cells cells) {
     cells.text("");
   } else {
     cells.text(h.tools[row.tool].name);
-    cells.text(row.command > 0 && row.command < std::uint32_t(belt_command::count) ? belt_command::names[row.command]
-                                                                                   : "");
+    const int command = int(row.command);
+    cells.text(belt_command::is_answer(command) ? "answer " + std::to_string(belt_command::question_of(command)) + " " +
+                                                      std::to_string(belt_command::choice_of(command))
+               : command > 0 && command < belt_command::count ? belt_command::names[command]
+                                                              : "");
   }
   cells.whole((f.buttons & haptics::haptic_button::lifted) ? 1 : 0);
   cells.whole(f.buttons);

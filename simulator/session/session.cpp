@@ -9,6 +9,7 @@
 #include <future>
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "device/rate_hand.h"
 #include "device/witness.h"
 #include "haptics/delayed_walls.h"
@@ -42,8 +43,10 @@ std::unique_ptr<device::Device> before_screen(std::unique_ptr<device::Device> de
   return std::make_unique<device::ScreenDevice>(std::move(device), *o.screen, o.screen_view);
 }
 
-std::unique_ptr<device::Device> witnessed(std::unique_ptr<device::Device> device, int port) {
-  return port > 0 ? device::with_witness(std::move(device), port) : std::move(device);
+std::unique_ptr<device::Device> witnessed(std::unique_ptr<device::Device> device, const SessionOptions& o,
+                                          const std::string& case_sha256) {
+  if (o.record_server_port <= 0) return device;
+  return device::with_witness(std::move(device), o.record_server_port, lesson_number(case_sha256, o));
 }
 
 // The port with the damping that it is measured against.
@@ -63,6 +66,15 @@ haptics::PortParams port_of(haptics::PortParams port, const device::Device& devi
 }
 
 }  // namespace
+
+std::uint32_t lesson_number(const std::string& case_sha256, const SessionOptions& o) {
+  std::string text = case_sha256 + "\n" + o.rubric_sha256 + "\n" + o.lesson + "\n" + o.participant + "\n" + o.task;
+  for (const haptics::AskedQuestion& a : o.asked) {
+    text += "\n" + a.question;
+    for (const std::string& choice : a.choices) text += " " + choice;
+  }
+  return std::uint32_t(std::stoul(sha256_of_bytes(text).substr(0, 8), nullptr, 16)) | 1;
+}
 
 std::function<int(Vec3)> shape_at_of(std::shared_ptr<const Patient> patient) {
   return [patient = std::move(patient)](Vec3 place_mm) { return patient->contact.shape_at(place_mm); };
@@ -85,7 +97,7 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
                                        options),
                          options.workspace),
                      options.board),
-          options.record_server_port)),
+          options, patient_->felt.case_sha256)),
       header_(header_of(options)),
       drilling_(patient_->felt.drilling_of(header_, patient_->contact, &patient_->marks)),
       port_(header_.port, options.force,

@@ -76,6 +76,10 @@ struct SessionOptions {
   std::filesystem::path record;              ///< every tick is written to this file; empty: no recording
 };
 
+/// Which lesson it is, for a window and a record server that must mean the same: of the case, the rubric, the module,
+/// who does it, what is asked for, and the questions with the order of their answers. Never 0.
+std::uint32_t lesson_number(const std::string& case_sha256, const SessionOptions& options);
+
 /// The results of a session.
 struct SessionResult {
   haptics::RecordingHeader header;    ///< case, shape, device, and the parameters

@@ -132,8 +132,10 @@ texts::Answer LessonController::give(const std::string& name) {
       if (belt_->paused() && n != haptics::belt_command::pause && n != haptics::belt_command::resume &&
           n != haptics::belt_command::finish)
         return texts::NoteId::lesson_is_paused;
-      if (n == haptics::belt_command::finish && questions_->comes_before_end(facts()))
-        return texts::NoteId::questions_first;
+      if (n == haptics::belt_command::finish) {
+        if (questions_->waits_for_errors()) questions_->found(critical_errors(facts()));  // also of the last second
+        if (questions_->comes_before_end(facts())) return texts::NoteId::questions_first;
+      }
       if (n == haptics::belt_command::incise && !belt_->has_mark()) return texts::NoteId::marker_untouched;
       commands_.push_back(n);
       note_step(-1, n);
@@ -181,13 +183,16 @@ void LessonController::watch(const std::vector<haptics::ServoFrame>& frames, con
       press();
     }
   }
-  if (!questions_->wants_errors(facts())) return;
-  questions_->ask([this, facts = lesson_->copy_of_facts()] {  // as it will be judged
-    std::set<std::string> errors;
-    for (const lessons::CriticalError& e : module_.score(*facts, loaded_, before_, rubric_.rubric).critical)
-      errors.insert(e.rule.error);
-    return errors;
-  });
+  if (questions_->wants_errors(facts()))
+    questions_->ask([this, facts = lesson_->copy_of_facts()] { return critical_errors(*facts); });
+}
+
+// As the lesson will be judged.
+std::set<std::string> LessonController::critical_errors(const lessons::LessonFacts& facts) const {
+  std::set<std::string> errors;
+  for (const lessons::CriticalError& e : module_.score(facts, loaded_, before_, rubric_.rubric).critical)
+    errors.insert(e.rule.error);
+  return errors;
 }
 
 std::vector<lessons::LessonStatus> LessonController::status() const {

@@ -105,6 +105,7 @@ class LessonController {
  private:
   void press();
   void note_step(int tool, int command);
+  std::set<std::string> critical_errors(const lessons::LessonFacts& facts) const;
 
   const LessonPlay play_;
   const std::filesystem::path case_folder_;

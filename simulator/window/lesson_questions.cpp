@@ -2,7 +2,6 @@
 #include "window/lesson_questions.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 namespace trephine::window {
@@ -51,21 +50,25 @@ int LessonQuestions::answer(const lessons::LessonFacts& facts, const std::string
   return haptics::belt_command::answer(n, int(at - all.begin()));
 }
 
+bool LessonQuestions::waits_for_errors() const {
+  for (std::size_t n = 0; n < asked_.size(); ++n)
+    if (when(n) != Question::before && when(n) != Question::after && !errors_.count(when(n))) return true;
+  return false;
+}
+
 bool LessonQuestions::wants_errors(const lessons::LessonFacts& facts) {
-  constexpr double every_s = 1;
+  constexpr double least_s = 1, share = 0.2;  // between looks, and of a core that they may take
   if (looking_.valid()) {
     if (looking_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return false;
-    errors_ = looking_.get();
+    found(looking_.get());
+    const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - asked_at_).count();
+    next_look_s_ = facts.end_s + std::max(least_s, took_s / share);
   }
-  bool waits = false;
-  for (std::size_t n = 0; n < asked_.size(); ++n)
-    waits = waits || (when(n) != Question::before && when(n) != Question::after && !errors_.count(when(n)));
-  if (!waits || facts.first_cut_s < 0 || facts.end_s < looked_s_ + every_s) return false;
-  looked_s_ = facts.end_s;
-  return true;
+  return waits_for_errors() && facts.first_cut_s >= 0 && facts.end_s >= next_look_s_;
 }
 
 void LessonQuestions::ask(std::function<std::set<std::string>()> critical_errors) {
+  asked_at_ = std::chrono::steady_clock::now();
   looking_ = std::async(std::launch::async, std::move(critical_errors));
 }
 

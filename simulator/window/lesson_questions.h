@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <chrono>
 #include <functional>
 #include <future>
 #include <set>
@@ -24,6 +25,10 @@ class LessonQuestions {
   const lessons::QuestionText& text(int n) const { return texts_[std::size_t(n)]; }
   /// The names of its answers; none where nothing is asked.
   std::vector<std::string> choices(const lessons::LessonFacts& facts) const;
+  /// These happened, as somebody found out who asked.
+  void found(std::set<std::string> errors) { errors_.merge(errors); }
+  /// Whether a question follows a critical error that is not known to have happened.
+  bool waits_for_errors() const;
   /// The end is asked for; true where questions come before it, and it is asked for the first time.
   bool comes_before_end(const lessons::LessonFacts& facts);
   /// The command that answers the open question by the answer's name, which is no longer open then; none where it has
@@ -45,7 +50,8 @@ class LessonQuestions {
   bool ending_ = false;
   std::set<std::string> errors_;  // that happened, as far as was looked
   std::future<std::set<std::string>> looking_;
-  double looked_s_ = 0;
+  double next_look_s_ = 0;
+  std::chrono::steady_clock::time_point asked_at_;
 };
 
 }  // namespace trephine::window

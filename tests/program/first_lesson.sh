@@ -18,10 +18,16 @@ expect 64 '[-]-no-paced' "${server[@]}" "${key[@]}" --record "$work/none.lesson"
 expect 65 'teacher.pub: private key' "${server[@]}" --record "$work/none.lesson" --key "$work/teacher.pub"
 expect 66 'no pose came to 127.0.0.1' "${server[@]}" "${key[@]}" --record "$work/none.lesson" --wait-s 0.2
 [[ ! -e $work/none.lesson ]] || fail "a recording of nothing"
+expect 64 'none.json: --record: ends as a file that is written beside it' "${server[@]}" "${key[@]}" --record "$work/none.json"
+touch "$work/none.html"
+expect 73 'none.html: is there already' "${server[@]}" "${key[@]}" --record "$work/none.lesson"
 "${server[@]}" "${key[@]}" --record "$work/seen.lesson" >"$work/server" 2>&1 &
 feeder=$!
 for try in {1..600}; do port=$([[ ! -e $work/server ]] || sed -nE 's/.*127\.0\.0\.1:([0-9]+).*/\1/p' "$work/server"); [[ -n $port ]] && break; sleep 0.1; done
 [[ -n $port ]] || { cat "$work/server"; fail "the server does not say where it is"; }
+
+expect 74 'the record server .* is for another participant, task, case or rubric' "$TREPHINE" play "$work/head_drilled" --lesson ventriculostomy \
+  --rubric "$work/ventriculostomy.json" --record "$work/late.lesson" --participant r-02 --record-server-port "$port"
 
 questions=
 begin head_drilled --out "$work/out" --advance-mm-per-s 12 --remote-tells-all --record-server-port "$port"

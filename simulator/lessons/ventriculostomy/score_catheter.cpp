@@ -353,13 +353,17 @@ LessonScore score_ventriculostomy(const VentriculostomyFacts& facts, const cases
                    {"first_pass", first_pass},
                    {"contralateral", contralateral},
                    {"third_ventricle", third_ventricle}};
-  // The grade of its place [Kakarla2008]: 1 the ventricle of its side or the third, 2 the other one, 3 what must not be
-  // entered. What of the brain is eloquent a case seldom shows: then it has no grade.
+  // The grade of its place [Kakarla2008]: 1 the frontal horn of its side or the third ventricle, 2 the other lateral
+  // ventricle, 3 what must not be entered. What of the brain is eloquent a case seldom shows: then it has no grade.
   LessonFigure& grade = score.figures.emplace_back(LessonFigure{"kakarla_grade", std::monostate{}});
   if (const CatheterPass* pass = s.final_pass(); pass && !pass->path.empty() && s.foramen_doubt().empty()) {
     const PassPoint& end = pass->path.back();
-    if (in_ventricle || third_ventricle)
-      grade.value = contralateral ? 2 : 1;
+    constexpr double frontal_horn_mm = 30;  // from the foramen: other horns lie farther away
+    const std::optional<Vec3> foramen = s.foramen();
+    if (contralateral)
+      grade.value = 2;
+    else if (third_ventricle || (in_ventricle && foramen && norm(end.tip_mm - *foramen) <= frontal_horn_mm))
+      grade.value = 1;
     else if (const std::string zone = s.critical_at(*pass, end); zone == "brainstem" || zone == "eloquent_zone")
       grade.value = 3;
   }

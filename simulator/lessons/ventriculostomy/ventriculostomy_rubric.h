@@ -143,6 +143,9 @@ struct VentriculostomyRubric : lesson::LessonRubric {
     v.template all_of<lesson::LessonRubric>();
   }
   std::string fault() const {
+    for (const lesson::Question& q : questions)
+      if (q.when == "dry_catheter")
+        return "questions: " + q.question + ": when: dry_catheter is known only when the lesson is finished";
     return LessonRubric::fault(
         {"dura_by_burr", "sagittal_sinus", "brainstem", "eloquent_zone", "wrong_side", "dry_catheter"});
   }
