@@ -94,7 +94,7 @@ Validity make_valid(surface::TriMesh& mesh, const grid::Lattice& lattice, std::s
   for (;;) {
     progress.check();
     snap_to_float32(mesh);
-    const Validity v = check_validity(mesh, progress);
+    const Validity v = check_validity(mesh, progress, &lattice);
     if (v.valid()) return v;
     margin = std::min(2.5 * margin, 1.0);
     std::vector<std::uint32_t> faults = degenerate_triangles(mesh);

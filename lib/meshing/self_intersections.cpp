@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Groups of neighbouring triangles are tested against the triangles in their bounding box. Most pairs whose boxes meet
-// share a point. Such pairs are ruled out together, one point at a time, where the triangles around the point project
-// to one plane as a fan.
+// Groups of neighbouring triangles are tested against the triangles in their bounding box, those of marching cubes
+// against the cells beside their own. Most pairs whose boxes meet share a point. Such pairs are ruled out together, one
+// point at a time, where the triangles around the point project to one plane as a fan.
 #include <algorithm>
 #include <cmath>
 
 #include "base/parallel.h"
 #include "meshing/exact.h"
 #include "meshing/validity.h"
+#include "surface/cell_rows.h"
+#include "surface/fan.h"
 #include "surface/incidence.h"
 #include "surface/triangle_tree.h"
 
@@ -21,52 +23,12 @@ std::array<Vec3, 3> corners_of(const surface::TriMesh& m, std::uint32_t t) {
   return {m.points_mm[v[0]], m.points_mm[v[1]], m.points_mm[v[2]]};
 }
 
-/// Whether two triangles around p certainly meet only in what they share. This is so where, seen along the sum of their
-/// normals, all of them turn the same way about p and go around it once, because each then has its own sector of the
-/// plane. Rounding is allowed for.
-bool is_fan(const surface::TriMesh& mesh, const surface::Incidence& incidence, std::uint32_t p) {
-  constexpr double margin = 1e-10;
-  const std::uint32_t begin = incidence.begin[p], end = incidence.begin[p + 1];
-  if (end - begin < 3 || end - begin > 64) return false;
-  struct Wing {
-    Vec3 b, c, normal;
-    double scale;
-  };
-  std::array<Wing, 64> wings;
-  const Vec3 at = mesh.points_mm[p];
-  Vec3 sum;
-  for (std::uint32_t n = begin; n < end; ++n) {
-    const auto& t = mesh.triangles[incidence.triangle[n]];
-    const int k = t[0] == p ? 0 : t[1] == p ? 1 : 2;
-    Wing& w = wings[n - begin];
-    w.b = mesh.points_mm[t[(k + 1) % 3]] - at;
-    w.c = mesh.points_mm[t[(k + 2) % 3]] - at;
-    w.normal = cross(w.b, w.c);
-    w.scale = std::sqrt(dot(w.b, w.b) * dot(w.c, w.c));
-    if (!(w.scale > 0)) return false;
-    sum += w.normal / w.scale;
-  }
-  // A direction perpendicular to the sum, and on which side of it each neighbour lies.
-  const Vec3 across = std::abs(sum.x) > std::abs(sum.y) ? Vec3{-sum.z, 0, sum.x} : Vec3{0, sum.z, -sum.y};
-  const double length = norm(sum), across_length = norm(across);
-  int turns = 0;
-  for (std::uint32_t n = 0; n < end - begin; ++n) {
-    const Wing& w = wings[n];
-    if (!(dot(w.normal, sum) > margin * w.scale * length)) return false;
-    const double b = dot(w.b, across), c = dot(w.c, across);
-    if (!(std::abs(b) > margin * norm(w.b) * across_length) || !(std::abs(c) > margin * norm(w.c) * across_length))
-      return false;
-    turns += b < 0 && c > 0;
-  }
-  return turns == 1;
-}
-
 /// For each triangle: 2 where it is degenerate, 1 where each of its points has a fan, else 0. Without the incidence,
 /// fans are not looked for.
 std::vector<char> classify(const surface::TriMesh& mesh, const surface::Incidence* incidence) {
   std::vector<char> fan(mesh.points_mm.size()), kind(mesh.triangles.size());
   parallel_for(0, static_cast<std::int64_t>(incidence ? fan.size() : 0), 8192, [&](std::int64_t from, std::int64_t to) {
-    for (std::int64_t p = from; p < to; ++p) fan[p] = is_fan(mesh, *incidence, static_cast<std::uint32_t>(p));
+    for (std::int64_t p = from; p < to; ++p) fan[p] = surface::is_fan(mesh, *incidence, static_cast<std::uint32_t>(p));
   });
   parallel_for(0, static_cast<std::int64_t>(kind.size()), 16384, [&](std::int64_t from, std::int64_t to) {
     for (std::int64_t t = from; t < to; ++t) {
@@ -159,22 +121,51 @@ std::vector<std::array<std::uint32_t, 2>> set_equal_aside(const surface::TriMesh
   return pairs;
 }
 
-std::vector<std::array<std::uint32_t, 2>> find_pairs(const surface::TriMesh& mesh, const surface::Incidence* incidence,
-                                                     const Progress& progress, const std::vector<std::uint32_t>& only) {
-  std::vector<char> kind = classify(mesh, incidence);
-  progress.check();
-  const surface::TriangleTree tree(mesh);
-  progress.check();
-  const auto& order = tree.order();
-  const auto equal = set_equal_aside(mesh, tree, kind);
-  using Pairs = std::vector<std::array<std::uint32_t, 2>>;
-  const auto test = [&](std::uint32_t s, std::uint32_t t, Pairs& out) {
+using Pairs = std::vector<std::array<std::uint32_t, 2>>;
+
+/// The exact test of a pair, for those that are not known to be apart.
+struct PairTest {
+  const surface::TriMesh& mesh;
+  std::vector<char> kind;
+  void operator()(std::uint32_t s, std::uint32_t t, Pairs& out) const {
     if (s == t || ((kind[s] | kind[t]) & 2)) return;
     const auto &a = mesh.triangles[s], &b = mesh.triangles[t];
     if (((kind[s] | kind[t]) & 1) && share(a, b)) return;
     if (triangles_intersect(a, corners_of(mesh, s), b, corners_of(mesh, t)))
       out.push_back({std::min(s, t), std::max(s, t)});
-  };
+  }
+};
+
+Pairs sorted(const std::vector<Pairs>& found, Pairs pairs) {
+  for (const auto& f : found) pairs.insert(pairs.end(), f.begin(), f.end());
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
+}
+
+Pairs find_pairs_by_cells(const surface::TriMesh& mesh, const surface::Incidence& incidence,
+                          const surface::CellRows& cells, const Progress& progress) {
+  const PairTest test{mesh, classify(mesh, &incidence)};
+  constexpr std::int64_t grain = 64;
+  const auto rows = static_cast<std::int64_t>(cells.rows());
+  std::vector<Pairs> found((rows + grain - 1) / grain);
+  parallel_for(0, rows, grain, [&](std::int64_t from, std::int64_t to) {
+    progress.check();
+    for (std::int64_t row = from; row < to; ++row)
+      cells.for_each_near_pair(row, [&](std::uint32_t s, std::uint32_t t) { test(s, t, found[from / grain]); });
+  });
+  return sorted(found, {});
+}
+
+Pairs find_pairs(const surface::TriMesh& mesh, const surface::Incidence* incidence, const Progress& progress,
+                 const std::vector<std::uint32_t>& only) {
+  PairTest test{mesh, classify(mesh, incidence)};
+  std::vector<char>& kind = test.kind;
+  progress.check();
+  const surface::TriangleTree tree(mesh);
+  progress.check();
+  const auto& order = tree.order();
+  const auto equal = set_equal_aside(mesh, tree, kind);
   const auto end_of = [&](std::size_t leaf) {
     return std::min(surface::TriangleTree::width * (leaf + 1), order.size());
   };
@@ -228,10 +219,7 @@ std::vector<std::array<std::uint32_t, 2>> find_pairs(const surface::TriMesh& mes
     if (only.empty() || std::find(only.begin(), only.end(), pair[0]) != only.end() ||
         std::find(only.begin(), only.end(), pair[1]) != only.end())
       pairs.push_back({std::min(pair[0], pair[1]), std::max(pair[0], pair[1])});
-  for (const auto& f : found) pairs.insert(pairs.end(), f.begin(), f.end());
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  return pairs;
+  return sorted(found, std::move(pairs));
 }
 
 }  // namespace
@@ -250,6 +238,14 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(const surface::TriM
                                                              const std::vector<std::uint32_t>& only) {
   if (mesh.triangles.empty()) return {};
   return find_pairs(mesh, &incidence, progress, only);
+}
+
+std::vector<std::array<std::uint32_t, 2>> self_intersections(const surface::TriMesh& mesh,
+                                                             const surface::Incidence& incidence,
+                                                             const grid::Lattice& cells, const Progress& progress) {
+  if (const auto rows = surface::CellRows::of(mesh, cells))
+    return find_pairs_by_cells(mesh, incidence, *rows, progress);
+  return self_intersections(mesh, incidence, progress);
 }
 
 }  // namespace trephine::meshing

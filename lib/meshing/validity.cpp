@@ -109,12 +109,16 @@ class ProofOfValidity {
   }
 };
 
-Validity check_validity(const surface::TriMesh& mesh, const Progress& progress) {
+Validity check_validity(const surface::TriMesh& mesh, const Progress& progress, const grid::Lattice* cells) {
   surface::check_mesh(mesh);
   Validity v;
   const surface::Incidence incidence(mesh);
   std::vector<std::array<std::uint32_t, 2>> pairs;
-  parallel_do({[&] { pairs = self_intersections(mesh, incidence, progress.part(0.1, 0.9)); },
+  parallel_do({[&] {
+                 const Progress part = progress.part(0.1, 0.9);
+                 pairs = cells ? self_intersections(mesh, incidence, *cells, part)
+                               : self_intersections(mesh, incidence, part);
+               },
                [&] {
                  v.topology = surface::topology_of(mesh, incidence);
                  if (!v.topology.closed() || !v.topology.manifold())

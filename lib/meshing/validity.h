@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "grid/grid.h"
 #include "surface/fault_places.h"
 #include "surface/trimesh.h"
 
@@ -34,8 +35,9 @@ struct Validity {
 /// Checks a mesh. A mesh that it finds valid is proven_valid() from then on. It uses exact predicates on the double
 /// coordinates and runs in parallel, with the same answer whatever the thread count. If the mesh's points are on
 /// float32's raster (see snap_to_float32), the answer holds for the exported float32 mesh as well. Throws as check_mesh
-/// does.
-Validity check_validity(const surface::TriMesh& mesh, const Progress& progress = {});
+/// does. `cells`: the lattice of whose cells marching cubes made the mesh; the answer is the same, and found sooner.
+Validity check_validity(const surface::TriMesh& mesh, const Progress& progress = {},
+                        const grid::Lattice* cells = nullptr);
 
 /// The pairs of intersecting triangles (lower index first, ascending): they share no point and touch, or share points
 /// and touch or overlap beyond them. Triangles in `only` (empty: all) are checked against all.
@@ -46,6 +48,9 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(const surface::TriM
                                                              const surface::Incidence& incidence,
                                                              const Progress& progress = {},
                                                              const std::vector<std::uint32_t>& only = {});
+std::vector<std::array<std::uint32_t, 2>> self_intersections(const surface::TriMesh& mesh,
+                                                             const surface::Incidence& incidence,
+                                                             const grid::Lattice& cells, const Progress& progress = {});
 
 /// The triangles whose three points lie exactly on a line, or coincide; ascending.
 std::vector<std::uint32_t> degenerate_triangles(const surface::TriMesh& mesh);
