@@ -12,8 +12,10 @@
 namespace trephine::meshing {
 namespace {
 
-/// A round works off at most this share of the edges.
-constexpr double round_share = 0.35;
+/// A round works off at most this share of the edges, times the share of the triangles that is to go. Where the limit
+/// is less than the input's mean side, the order matters more, and smaller rounds give fewer triangles; where there is
+/// no limit, nothing but the order keeps thin walls apart.
+constexpr double round_share = 0.6, careful_round_share = 1.0 / 3;
 /// Points are carried from the moment when this many times the target of triangles is left.
 constexpr double carry_from = 2.5;
 /// The rounds end at this many times the target where there is a limit (each attempt takes long there), or at this
@@ -206,12 +208,14 @@ void EdgeCollapse::rounds(std::size_t target, std::size_t floor, bool& limited, 
   live_points_.resize(mesh_.points());
   std::iota(live_points_.begin(), live_points_.end(), 0u);
   const std::size_t start = mesh_.live_triangles();
+  const bool wide = limit2_ < infinite_cost && limit2_ >= side_ * side_;
+  const double share = wide ? round_share : careful_round_share;
   for (;;) {
     const std::size_t live = mesh_.live_triangles();
     progress.report(double(start - live) / double(std::max<std::size_t>(1, start - std::min(start, target))));
     if (live <= std::max(floor, rounds_to_count)) return;
     const double excess = double(live - target) / double(live);
-    const float cost_limit = cost_below(std::min(round_share, excess / 3));
+    const float cost_limit = cost_below(share * excess);
     const Cells cells = cut(round_++);
     const std::size_t count = cells.begin.size() - 1;
     std::vector<Worker> workers(count);

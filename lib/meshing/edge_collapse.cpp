@@ -54,15 +54,22 @@ EdgeCollapse::EdgeCollapse(const surface::TriMesh& input, double limit_mm, doubl
       rejected_(input.triangles.size(), 0) {
   area_ = surface::area_mm2(input);
   // The side that all triangles would have if they were equilateral and of one size.
-  const double side = std::sqrt(area_ / double(input.triangles.size()) * 4 / std::sqrt(3.0));
-  sample_spacing_ = limit_mm > 0 ? 1.4 * std::clamp(1.5 * limit_mm, side / 4, side) : side;
+  side_ = std::sqrt(area_ / double(input.triangles.size()) * 4 / std::sqrt(3.0));
+  sample_spacing_ = limit_mm > 0 ? 1.4 * std::clamp(1.5 * limit_mm, side_ / 4, side_) : side_;
+  std::vector<std::array<float, 4>> planes(input.triangles.size());  // unit normal, and how long the normal was
+  parallel_for(0, static_cast<std::int64_t>(planes.size()), 8192, [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t t = from; t < to; ++t) {
+      const Vec3 n = surface::triangle_normal(input, t);
+      const double length = norm(n);
+      planes[t] = {float(n.x / length), float(n.y / length), float(n.z / length), float(length)};
+    }
+  });
   parallel_for(0, static_cast<std::int64_t>(quadrics_.size()), 8192, [&](std::int64_t from, std::int64_t to) {
     for (auto v = static_cast<std::uint32_t>(from); v < to; ++v) {
       Quadric q;
       mesh_.for_each_leaving(v, [&](std::uint32_t e) {
-        const Vec3 n = surface::triangle_normal(input, e / 3);
-        const double length = norm(n);
-        q.add_plane(n / length, length / 6);
+        const auto& [x, y, z, length] = planes[e / 3];
+        q.add_plane({x, y, z}, length / 6);
         q.add_point(length / 6 * point_weight);
       });
       quadrics_[v] = StoredQuadric(q);

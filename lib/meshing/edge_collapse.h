@@ -92,7 +92,7 @@ class EdgeCollapse {
 
   const surface::TriMesh& plain_input_;
   CollapseMesh mesh_;
-  double limit2_, step_, area_ = 0, sample_spacing_ = 0;
+  double limit2_, step_, area_ = 0, side_ = 0, sample_spacing_ = 0;
   CarriedPoints carried_;
   std::optional<NearInput> input_;       ///< once points are carried
   std::vector<StoredQuadric> quadrics_;  ///< about the points themselves

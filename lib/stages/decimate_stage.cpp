@@ -8,7 +8,7 @@ namespace trephine::stages {
 StageType decimate_stage() {
   StageType s;
   s.name = "decimate";
-  s.version = 9;
+  s.version = 10;
   s.typical.base_s = 0.03;
   s.typical.per_million_triangles_s = 2.8;
   s.summary = "reduces the triangles of a surface within a bound in mm";
