@@ -5,7 +5,7 @@
 #include <random>
 
 #include "grid/labels.h"
-#include "slicer/bundle.h"
+#include "meshio/zip_bundle.h"
 #include "slicer/segmentation.h"
 
 namespace trephine {
@@ -78,10 +78,10 @@ TEST(Segmentation, SaysWhatEachSegmentIs) {
 
 TEST(Bundle, IsTheSameWhateverTheTimeZone) {
   const std::vector<meshio::ExportFile> files{{"a.mrml", "<MRML/>"}, {"Data/b.bin", std::string(100000, 'b')}};
-  const std::string bytes = slicer::bundle_of("case", files);
+  const std::string bytes = meshio::bundle_of("case", files);
   setenv("TZ", "Pacific/Kiritimati", 1);
   tzset();
-  EXPECT_EQ(bytes, slicer::bundle_of("case", files));
+  EXPECT_EQ(bytes, meshio::bundle_of("case", files));
   unsetenv("TZ");
   tzset();
   EXPECT_EQ(bytes.substr(0, 4), "PK\x03\x04");

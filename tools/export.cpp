@@ -15,6 +15,7 @@
 #include "cli/progress_display.h"
 #include "export_dicom.h"
 #include "export_parts.h"
+#include "export_print.h"
 #include "export_scene.h"
 #include "export_solids.h"
 #include "head/head_landmarks.h"
@@ -38,7 +39,7 @@ std::vector<std::string> format_choices() {
   std::vector<std::string> names;
   for (const meshio::ExportFormat& f : meshio::format_types()) names.emplace_back(f.name);
   for (const meshio::LabelFormat& f : meshio::all_label_formats()) names.emplace_back(f.name);
-  names.emplace_back(markups_format);
+  for (const char* name : {markups_format, print_format}) names.emplace_back(name);
   for (const std::string& name : scene_format_names()) names.push_back(name);
   for (const std::string& name : dicom_format_names()) names.push_back(name);
   for (const std::string& name : solid_format_names()) names.push_back(name);
@@ -72,6 +73,7 @@ struct Formats {
   SceneFormats scenes;
   DicomFormats dicom;
   SolidFormats solids;
+  bool print = false;
 };
 
 template <class Format>
@@ -89,6 +91,8 @@ Formats formats_of(const cli::ParsedCommand& parsed) {
     if (formats.dicom.take(name) || formats.scenes.take(name) || formats.solids.take(name)) continue;
     if (name == markups_format)
       formats.markups = true;
+    else if (name == print_format)
+      formats.print = true;
     else if (labels != all_labels.end())
       add_once(formats.labels, *labels);
     else if (surface)
@@ -205,8 +209,9 @@ void check_combination(const cli::ParsedCommand& parsed, const Formats& formats)
     export_usage("--labels", "and --format " + with_commas(names) + " belong together");
   }
   check_dicom(parsed, formats.dicom);
-  if ((formats.markups || formats.scenes.any()) && (!parsed.has("input") || !fs::is_directory(parsed.path("input"))))
-    export_usage("INPUT", std::string("must be a case's folder for ") + markups_format + " and " +
+  if ((formats.markups || formats.scenes.any() || formats.print) &&
+      (!parsed.has("input") || !fs::is_directory(parsed.path("input"))))
+    export_usage("INPUT", std::string("must be a case's folder for ") + markups_format + ", " + print_format + " and " +
                               with_commas(scene_format_names()));
   if ((!formats.surfaces.empty() || formats.solids.any()) && !parsed.has("input"))
     export_usage("INPUT", "is needed for surfaces: a case or a file");
@@ -277,10 +282,16 @@ std::string run_export(const cli::ParsedCommand& parsed, Report& report, const P
     solids = export_solids(parsed, formats.solids, input, own, report, progress.part(0.95, 1));
     text += solids.table;
   }
+  PrintExport prints;
+  if (formats.print) {
+    prints = export_print(parsed, params.name, report, progress.part(0.1, 1));
+    text += prints.table;
+  }
   make_output_folder(out);
   write_dicom(out, dicom);
   write_scenes(out, scenes);
   write_solids(out, solids);
+  meshio::write_export(out, prints.files);
   meshio::write_export(out, exported.files);
   meshio::write_export(out, markups);
   for (const meshio::LabelFormat* f : formats.labels)
@@ -312,7 +323,7 @@ std::string formats_text() {
          "\n\nFormat mrk.json is markups for 3D Slicer, of a case: its landmarks (landmarks.mrk.json, which `run "
          "--landmarks` reads back), its targets (targets.mrk.json), and the axis of each burr hole as a line "
          "(trajectory-NAME.mrk.json).\n\n" +
-         scene_formats_help + "\n\n" + dicom_formats_help + "\n\n" + solid_formats_help;
+         scene_formats_help + "\n\n" + dicom_formats_help + "\n\n" + solid_formats_help + "\n\n" + print_format_help;
 }
 
 }  // namespace
@@ -335,6 +346,7 @@ const cli::OwnCommand export_command([] {
                 "trephine export library/head-01 --format dicom-seg,dicom-rtss --series scan --out exported",
                 "trephine export library/head-01 --format tetra-vtu,tetra-msh --size-mm 5 --out exported",
                 "trephine export library/head-01 --format sdf --densities skull=1900 --out exported",
+                "trephine export library/head-01 --format print --out printed",
                 "trephine export --format seg.nrrd --labels skin=skin.nrrd,skull=skull.nrrd --out exported"};
   const auto argument = [](const char* name, cli::Argument::Kind kind, const std::string& help) {
     cli::Argument a;
@@ -368,6 +380,7 @@ const cli::OwnCommand export_command([] {
               cli::ParameterGroup::of<meshio::MarkupsParams>("Markups"),
               cli::ParameterGroup::of<ambf::AdfParams>("AMBF"), cli::ParameterGroup::of<DicomParams>("DICOM")};
   for (const cli::ParameterGroup& group : solid_groups()) c.groups.push_back(group);
+  c.groups.push_back(print_group());
   c.run = [](const cli::ParsedCommand& parsed) {
     Report report;
     std::string text;

@@ -5,7 +5,7 @@
 
 #include "base/pi.h"
 #include "base/text.h"
-#include "slicer/bundle.h"
+#include "meshio/zip_bundle.h"
 #include "slicer/mrml.h"
 #include "slicer/segmentation.h"
 
@@ -165,7 +165,7 @@ std::string encode_scene(const CaseScene& scene) {
   for (const meshio::Markup& m : scene.markups) add_markup(mrml, m, 0, files);
   for (const SceneHole& h : scene.holes) add_markup(mrml, h.line, h.diameter_mm, files);
   files.insert(files.begin(), {scene.name + ".mrml", mrml.text(scene.program)});
-  return bundle_of(scene.name, files);
+  return meshio::bundle_of(scene.name, files);
 }
 
 }  // namespace trephine::slicer

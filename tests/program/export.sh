@@ -15,13 +15,13 @@ fi
   { cat "$work/run.log" >&2; fail "no case to export"; }
 case=$work/library/sample
 
-export_ "$case" --format stl,ply,obj,vtp,vtk,wrl --format x3d,glb --texture-coordinates skin --out "$work/a" \
+export_ "$case" --format stl,ply,obj,vtp,vtk,wrl --format x3d,glb,3mf --texture-coordinates skin --out "$work/a" \
   --report "$work/report.json"
-TZ=Asia/Tokyo LC_ALL=C.UTF-8 export_ "$case" --format stl,ply,obj,vtp,vtk,wrl,x3d,glb --texture-coordinates skin \
+TZ=Asia/Tokyo LC_ALL=C.UTF-8 export_ "$case" --format stl,ply,obj,vtp,vtk,wrl,x3d,glb,3mf --texture-coordinates skin \
   --out "$work/b" --threads 1
 diff -r "$work/a" "$work/b" || fail "two exports differ"
 python3 - "$case" "$work" <<'PY'
-import json, pathlib, struct, sys
+import json, pathlib, struct, sys, zipfile
 case, work = map(pathlib.Path, sys.argv[1:])
 manifest = json.loads((case / "case.json").read_bytes())
 report = json.loads((work / "report.json").read_bytes())
@@ -42,10 +42,14 @@ for a in manifest["anatomies"]:
     ours, theirs = (work / "a" / f"{name}.glb").read_bytes(), (case / a["file"]).read_bytes()
     assert len(ours) == len(theirs) and sum(x != y for x, y in zip(ours, theirs)) < 0.01 * len(ours)
     assert any(line.startswith("vt ") for line in obj) == (name == "skin")
-    for f in "stl ply obj vtp vtk wrl x3d glb".split():
+    model = zipfile.ZipFile(work / "a" / f"{name}.3mf").read("3D/3dmodel.model").decode()
+    assert 'unit="millimeter"' in model and "SPACE=LPS UNIT=mm" in model and f'name="{name}"' in model
+    assert 'displaycolor="#%02X%02X%02X' % tuple(round(255 * c) for c in a["colour_rgb"]) in model
+    assert model.count("<triangle ") == count
+    for f in "stl ply obj vtp vtk wrl x3d glb 3mf".split():
         assert report[f"{name}.{f}.triangles_count"] == count
         assert report[f"{name}.{f}.reread_difference_mm"] < 1e-3
-assert len(list((work / "a").iterdir())) == 9 * len(names)
+assert len(list((work / "a").iterdir())) == 10 * len(names)
 PY
 
 export_ "$case" --format x3d,obj --together --out "$work/one"

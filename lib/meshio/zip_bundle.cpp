@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "slicer/bundle.h"
+#include "meshio/zip_bundle.h"
 
 #include <zip.h>
 
 #include "base/error.h"
 
-namespace trephine::slicer {
+namespace trephine::meshio {
 namespace {
 
 constexpr zip_uint16_t first_day = 1 << 5 | 1;  // of January 1980, the earliest that a ZIP archive can say
@@ -70,10 +70,10 @@ class Archive {
 
 }  // namespace
 
-std::string bundle_of(const std::string& folder, const std::vector<meshio::ExportFile>& files) {
+std::string bundle_of(const std::string& folder, const std::vector<ExportFile>& files) {
   Archive archive;
-  for (const meshio::ExportFile& f : files) archive.add(folder + "/" + f.name, f.bytes);
+  for (const meshio::ExportFile& f : files) archive.add(folder.empty() ? f.name : folder + "/" + f.name, f.bytes);
   return archive.take();
 }
 
-}  // namespace trephine::slicer
+}  // namespace trephine::meshio
