@@ -14,6 +14,7 @@
 #include "dicom/import.h"
 #include "outcome/measure_outcome.h"
 #include "outcome/outcome_picture.h"
+#include "print/print_record.h"
 
 namespace trephine::tools {
 namespace {
@@ -57,6 +58,9 @@ std::string table_of(const lesson::OutcomeRecord& r) {
   std::string out =
       fmt::format("registration    {}: bone {:.2f} mm off, mirrored {:.2f} mm; {:.0f} % of the case's bone\n",
                   sighting_text(g.sighting, g.doubts), g.residual_mm, g.mirrored_residual_mm, 100 * g.overlap_ratio);
+  if (g.marks_count > 0)
+    out = fmt::format("registration    {}: {} marks {:.2f} mm off; {:.2f} mm expected where the procedure aims\n",
+                      sighting_text(g.sighting, g.doubts), g.marks_count, g.residual_mm, g.target_error_mm);
   out += fmt::format("catheter        {}\n",
                      r.courses.empty() ? "none was found" : sighting_text(r.catheter, r.catheter_doubts));
   for (const lesson::OutcomeCourse& c : r.courses)
@@ -88,8 +92,10 @@ ExitCode run_outcome(const cli::ParsedCommand& parsed) {
     import.volume_values = choice.volume_values;
     import.axes = choice.axes;
     const dicom::ImportResult scan = dicom::import_series(parsed.path("series"), import, progress.part(0, 0.3));
+    std::optional<print::PrintRecord> print;
+    if (parsed.has("marks")) print = print::read_print(parsed.path("marks"));
     record = outcome::measure_outcome(read.loaded, scan.volume, parsed.params<outcome::OutcomeParams>(),
-                                      progress.part(0.3, 0.95));
+                                      progress.part(0.3, 0.95), print ? &*print : nullptr);
     record.case_sha256 = read.sha256;
     record.series_sha256 = scan.input_sha256;
     record.program = "trephine " TREPHINE_VERSION;
@@ -133,7 +139,9 @@ const cli::OwnCommand outcome_command([] {
   c.arguments = {
       folder,
       cli::required_argument("series", Kind::in_scan, "The scan after the procedure: a folder, archive or file."),
-      cli::required_argument("out", Kind::out_folder, "Folder for outcome.json and outcome.png.")};
+      cli::required_argument("out", Kind::out_folder, "Folder for outcome.json and outcome.png."),
+      cli::argument("marks", Kind::in_file,
+                    "Of a printed head: NAME-print.json, by whose marks the scan is laid on the case.")};
   c.groups = {cli::ParameterGroup::of<outcome::OutcomeParams>("Outcome"), cli::ParameterGroup::of<ScanChoice>("Scan")};
   c.run = run_outcome;
   return c;

@@ -18,7 +18,9 @@ const cli::OwnCommand phantom_command([] {
       "and "
       "where it lies. With --body spine it is a lumbar spine of plain shapes, "
       "whose pedicles truth.json holds; with --body chest a chest with clavicles, subclavian veins and arteries, and "
-      "lungs, whose middle lines and sternal notch truth.json holds. The same parameters give the same bytes.";
+      "lungs, whose middle lines and sternal notch truth.json holds. With --print it is a printed head, filled with "
+      "gel, "
+      "with a hole and a catheter if they are given, and no truth is written. The same parameters give the same bytes.";
   c.examples = {"trephine phantom head --variant hydrocephalic --seed 7",
                 "trephine phantom head --level clinical --tilt-deg 13.5 --slice-step-mm 2.5 --slices-count 80",
                 "trephine phantom head --level hard --mask --couch --clamps --noise-hu 30 --second-kernel-mm 0.6",
@@ -38,7 +40,8 @@ const cli::OwnCommand phantom_command([] {
               cli::ParameterGroup::of<phantom::ScanParams>("Scanner"),
               cli::ParameterGroup::of<phantom::SeriesParams>("Series"),
               cli::ParameterGroup::of<phantom::TruthParams>("Truth"),
-              cli::ParameterGroup::of<phantom::SecondScanParams>("Second scan")};
+              cli::ParameterGroup::of<phantom::SecondScanParams>("Second scan"),
+              cli::ParameterGroup::of<phantom::PrintedParams>("Print")};
   c.run = [](const cli::ParsedCommand& parsed) {
     phantom::PhantomParams params;
     params.body = parsed.params<phantom::BodyParams>();
@@ -49,6 +52,7 @@ const cli::OwnCommand phantom_command([] {
     params.series = parsed.params<phantom::SeriesParams>();
     params.truth = parsed.params<phantom::TruthParams>();
     params.second = parsed.params<phantom::SecondScanParams>();
+    params.printed = parsed.params<phantom::PrintedParams>();
     run_with_report(parsed, [&](const Progress& progress) {
       return printed(figures_of(phantom::make_phantom(parsed.path("folder"), params, progress)), {});
     });

@@ -32,13 +32,14 @@ struct OutcomeRegistration {
   std::array<double, 12> transform{};
   double residual_mm = 0, mirrored_residual_mm = 0, widening_mm = 0, overlap_ratio = 0, matched_ratio = 0,
          scale_ratio = 0;
-  std::int64_t points_count = 0;
+  std::int64_t points_count = 0, marks_count = 0;
+  double target_error_mm = 0;
   template <class V>
   static void describe(V& v) {
     using P = OutcomeRegistration;
     v.choice(&P::sighting, "sighting", {{"found", Sighting::found}, {"doubtful", Sighting::doubtful}},
              "Whether the scan surely lies where it is laid.");
-    v.words(&P::doubts, "doubts", "Why it is doubtful: shape, mirrored, scale, overlap.");
+    v.words(&P::doubts, "doubts", "Why it is doubtful: shape, mirrored, scale, overlap, marks.");
     v.numbers(&P::transform, "transform", Range{-1e5, 1e5},
               "Rows of the matrix from a place of the case to the scan, each with its offset, mm.");
     v.number(&P::residual_mm, "residual_mm", Range{0, 1e3},
@@ -50,6 +51,12 @@ struct OutcomeRegistration {
     v.number(&P::matched_ratio, "matched_ratio", Range{0, 1}, "Share of that which has an edge of bone within 2 mm.");
     v.number(&P::scale_ratio, "scale_ratio", Range{0, 1}, "By how much it would still stretch along an axis.");
     v.integer(&P::points_count, "points_count", Range{0, 1e9}, "Places of the bone by which it was laid.");
+    v.integer(&P::marks_count, "marks_count", Range{0, 99},
+              "Marks of a print by which it was laid; residual_mm is theirs then.")
+        .not_always();
+    v.number(&P::target_error_mm, "target_error_mm", Range{0, 1e3},
+             "Of marks: the expected error where the procedure aims, the largest of the targets.")
+        .not_always();
   }
 };
 

@@ -40,8 +40,8 @@ struct Stretch {
 class BoneView {
  public:
   BoneView(const CaseHead& head, const ScanView& scan, const itk::LinearMap& map,
-           const std::vector<lesson::OutcomeCourse>& courses)
-      : head_(head), scan_(scan), map_(map), courses_(courses) {}
+           const std::vector<lesson::OutcomeCourse>& courses, bool bare_bone)
+      : head_(head), scan_(scan), map_(map), courses_(courses), bare_bone_(bare_bone) {}
   Stretch along(Vec3 from, Vec3 way, double reach_mm) const {
     Stretch s;
     const auto passage = passage_of(head_, from, way, reach_mm, least_bone_mm);
@@ -58,7 +58,8 @@ class BoneView {
       ++count;
     }
     // Beyond the scan, where no slice covers it, there is air, and no scalp on the bone.
-    if (count == 0 || bone < least_shown_ratio * count || scan_(map_(s.outer_mm + way * scalp_mm)) < air_hu) return s;
+    if (count == 0 || bone < least_shown_ratio * count) return s;
+    if (!bare_bone_ && scan_(map_(s.outer_mm + way * scalp_mm)) < air_hu) return s;
     s.known = true;
     s.mean_hu /= count;
     s.air_ratio /= count;
@@ -77,6 +78,7 @@ class BoneView {
   const ScanView& scan_;
   const itk::LinearMap& map_;
   const std::vector<lesson::OutcomeCourse>& courses_;
+  bool bare_bone_;
 };
 
 Vec3 out_of_bone(const CaseHead& head, Vec3 outer_mm) {
@@ -165,9 +167,9 @@ std::optional<lesson::OutcomeHole> measured(const CaseHead& head, const BoneView
 }  // namespace
 
 std::vector<lesson::OutcomeHole> find_made_holes(const CaseHead& head, const ScanView& scan, const itk::LinearMap& map,
-                                                 const std::vector<lesson::OutcomeCourse>& courses,
+                                                 const std::vector<lesson::OutcomeCourse>& courses, bool bare_bone,
                                                  const Progress& progress) {
-  const BoneView view(head, scan, map, courses);
+  const BoneView view(head, scan, map, courses, bare_bone);
   std::vector<Stretch> seen;
   std::vector<float> all;
   for (int n = 0; n < rays; ++n) {  // evenly over the sphere, along a spiral

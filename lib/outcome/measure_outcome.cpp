@@ -4,12 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
+#include <memory>
 
 #include "base/refusal.h"
 #include "mask/filters.h"
 #include "outcome/bone_fit.h"
 #include "outcome/find_courses.h"
 #include "outcome/find_made_holes.h"
+#include "outcome/marks.h"
 
 namespace trephine::outcome {
 namespace {
@@ -17,6 +20,7 @@ namespace {
 constexpr double points_mm = 4;
 constexpr double sure = 0.5;
 constexpr double beside_ratio = 0.25;  ///< of the surest course's confidence: another that is surer than this may be it
+constexpr double above_cut_mm = 10;    ///< of a print: nearer to its cut are rim and base
 constexpr double through_mm = 4;       ///< beyond the hole's wall
 const char* const remedy =
     "take the scan of this patient after the procedure, as it was made; docs/how-to/outcome.md says what it must show";
@@ -54,15 +58,74 @@ lesson::OutcomeRegistration registered(const BoneFit& fit, const BoneFit& mirror
   r.matched_ratio = fit.matched_ratio;
   r.scale_ratio = fit.scale_ratio;
   r.points_count = std::int64_t(fit.points);
-  for (std::size_t a = 0; a < 3; ++a) {
-    for (std::size_t k = 0; k < 3; ++k) r.transform[4 * a + k] = fit.map.matrix.column[k][int(a)];
-    r.transform[4 * a + 3] = fit.map.offset_mm[int(a)];
-  }
+  r.transform = print::rows_of(fit.map);
   if (fit.residual_mm > p.doubtful_residual_mm) r.doubts.push_back("shape");
   if (fit.scale_ratio > p.doubtful_scale_ratio) r.doubts.push_back("scale");
   if (mirror.residual_mm < p.mirrored_ratio * fit.residual_mm) r.doubts.push_back("mirrored");
   r.sighting = r.doubts.empty() ? lesson::Sighting::found : lesson::Sighting::doubtful;
   return r;
+}
+
+const char* const marks_remedy =
+    "take a CT that shows the whole print with all its marks, as it was made; docs/how-to/print.md says how";
+
+lesson::OutcomeRegistration registered(const MarkFit& fit, const print::PrintRecord& print, const OutcomeParams& p) {
+  if (fit.mirrored_marks > fit.marks || (fit.mirrored_marks == fit.marks && fit.marks >= least_marks &&
+                                         fit.residual_mm > p.mirrored_ratio * fit.mirrored_residual_mm))
+    throw refusal("marks",
+                  fmt::format("the scan shows the print mirrored: {} marks fit so, {} as they were printed",
+                              fit.mirrored_marks, fit.marks),
+                  {marks_remedy});
+  if (fit.marks < least_marks)
+    throw refusal("marks",
+                  fmt::format("{} of the print's {} marks were found where they belong, and {} are needed", fit.marks,
+                              print.marks.size(), least_marks),
+                  {marks_remedy});
+  if (fit.residual_mm > p.largest_marks_mm)
+    throw refusal("marks",
+                  fmt::format("the marks lie {:.2f} mm off (at most {:.2f}): it is another print, or it is bent",
+                              fit.residual_mm, p.largest_marks_mm),
+                  {marks_remedy});
+  lesson::OutcomeRegistration r;
+  r.residual_mm = fit.residual_mm;
+  r.mirrored_residual_mm = std::min(1e3, fit.mirrored_residual_mm);
+  r.overlap_ratio = r.matched_ratio = double(fit.marks) / double(print.marks.size());
+  r.marks_count = std::int64_t(fit.marks);
+  for (const print::PrintTarget& t : print.targets)
+    r.target_error_mm = std::max(r.target_error_mm, fit.error_mm(t.case_mm));
+  r.transform = print::rows_of(fit.map);
+  if (fit.residual_mm > p.doubtful_marks_mm) r.doubts.push_back("marks");
+  if (fit.mirrored_marks == fit.marks) r.doubts.push_back("mirrored");
+  r.sighting = r.doubts.empty() ? lesson::Sighting::found : lesson::Sighting::doubtful;
+  return r;
+}
+
+/// How the case lies in the scan, and how well that is known at a place of the case.
+struct Laid {
+  itk::LinearMap map;
+  lesson::OutcomeRegistration registration;
+  std::function<double(Vec3)> error_mm;
+};
+Laid laid_by_marks(const cases::LoadedCase& loaded, const ScanView& view, const print::PrintRecord& print,
+                   const OutcomeParams& params, const Progress& progress) {
+  if (print.case_token != loaded.manifest.case_token)
+    throw Error(ExitCode::bad_input, "", "marks", "the print was made of another case, by its name");
+  if (print.marks.empty()) throw Error(ExitCode::bad_input, "", "marks", "the print has no marks");
+  const auto fit = std::make_shared<MarkFit>(
+      fit_marks(print.marks, find_spheres(view, 0.5 * print.marks.front().diameter_mm, progress)));
+  return {fit->map, registered(*fit, print, params), [fit](Vec3 p) { return fit->error_mm(p); }};
+}
+Laid laid_by_bone(const cases::LoadedCase& loaded, const CaseHead& head, const ScanView& view,
+                  const OutcomeParams& params, const Progress& progress) {
+  const std::vector<BonePoint> points = bone_points(loaded.haptic, head.bone, points_mm);
+  const std::optional<BoneFit> fit = fit_bone(points, view, progress.part(0, 0.5));
+  if (!fit)
+    throw refusal("registration", "the scan shows no bone that could be the case's, or too little of it", {remedy});
+  const std::optional<BoneFit> mirror = fit_bone(mirrored(points), view, progress.part(0.5, 0.75));
+  Laid laid{fit->map, registered(*fit, mirror ? *mirror : BoneFit(), params), {}};
+  const auto left_out = std::make_shared<LeftOutFits>(points, view, *fit, progress.part(0.75, 1));
+  laid.error_mm = [left_out](Vec3 p) { return left_out->standard_error_mm(p); };
+  return laid;
 }
 
 bool passes_a_hole(const lesson::OutcomeCourse& c, const std::vector<lesson::OutcomeHole>& holes) {
@@ -92,28 +155,33 @@ void judge_catheter(lesson::OutcomeRecord& r) {
 }  // namespace
 
 lesson::OutcomeRecord measure_outcome(const cases::LoadedCase& loaded, const grid::HuVolume& scan,
-                                      const OutcomeParams& params, const Progress& progress) {
+                                      const OutcomeParams& params, const Progress& progress,
+                                      const print::PrintRecord* print) {
   const CaseHead head(loaded, progress.part(0, 0.1));
   const ScanView view(scan);
-  const std::vector<BonePoint> points = bone_points(loaded.haptic, head.bone, points_mm);
-  const std::optional<BoneFit> fit = fit_bone(points, view, progress.part(0.1, 0.4));
-  if (!fit)
-    throw refusal("registration", "the scan shows no bone that could be the case's, or too little of it", {remedy});
-  const std::optional<BoneFit> mirror = fit_bone(mirrored(points), view, progress.part(0.4, 0.6));
+  const Laid laid = print ? laid_by_marks(loaded, view, *print, params, progress.part(0.1, 0.75))
+                          : laid_by_bone(loaded, head, view, params, progress.part(0.1, 0.75));
   lesson::OutcomeRecord r;
   r.case_token = loaded.manifest.case_token;
-  r.registration = registered(*fit, mirror ? *mirror : BoneFit(), params);
-  const LeftOutFits left_out(points, view, *fit, progress.part(0.6, 0.75));
-  r.courses = find_courses(head, view, fit->map, progress.part(0.75, 0.85));
-  r.holes = find_made_holes(head, view, fit->map, r.courses, progress.part(0.85, 1));
+  r.registration = laid.registration;
+  r.courses = find_courses(head, view, laid.map, progress.part(0.75, 0.85));
+  r.holes = find_made_holes(head, view, laid.map, r.courses, print != nullptr, progress.part(0.85, 1));
+  if (print) {  // below the cut nothing was printed
+    const itk::LinearMap to_print = print::map_of(print->case_to_print);
+    r.holes.erase(std::remove_if(r.holes.begin(), r.holes.end(),
+                                 [&](const lesson::OutcomeHole& h) {
+                                   return to_print(h.outer_mm).z < h.diameter_mm / 2 + above_cut_mm;
+                                 }),
+                  r.holes.end());
+  }
   for (lesson::OutcomeCourse& c : r.courses) {
     if (!loaded.manifest.burr_holes.empty()) continue;
     if (!passes_a_hole(c, r.holes)) c.confidence *= 0.6;
   }
   std::stable_sort(r.courses.begin(), r.courses.end(),
                    [](const auto& a, const auto& b) { return a.confidence > b.confidence; });
-  for (lesson::OutcomeCourse& c : r.courses) c.error_mm = left_out.standard_error_mm(c.tip_mm);
-  for (lesson::OutcomeHole& h : r.holes) h.error_mm = left_out.standard_error_mm(h.outer_mm);
+  for (lesson::OutcomeCourse& c : r.courses) c.error_mm = laid.error_mm(c.tip_mm);
+  for (lesson::OutcomeHole& h : r.holes) h.error_mm = laid.error_mm(h.outer_mm);
   r.holes_beforehand = !loaded.manifest.burr_holes.empty();
   judge_catheter(r);
   const bool hole = std::any_of(r.holes.begin(), r.holes.end(), [](const auto& h) { return h.confidence >= sure; });

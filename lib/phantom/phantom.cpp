@@ -70,6 +70,34 @@ void check_body(const PhantomParams& params) {
     throw Error(ExitCode::usage, "", "contents", "only a head is scanned with marks");
 }
 
+// Of a print everything that is a body's would be ignored.
+void check_print(const PhantomParams& params) {
+  if (params.printed.print.empty())
+    return check_default(params.printed, "but of a print; add " + Setting{"print", "NAME-print.json"});
+  const char* why = "on a print";
+  if (params.body.body != BodyParams::Body::head) throw Error(ExitCode::usage, "", "body", "a print is of a head");
+  check_default(params.head, why);
+  check_default(params.head.hard, why);
+  check_default(params.head.implants, why);
+  check_default(params.second, why);
+}
+
+PhantomResult make_print(const std::filesystem::path& out, const PhantomParams& params, const Progress& progress) {
+  const Scan scanned = scan_print(params.printed, params.scan, std::uint64_t(params.head.seed), progress.part(0, 0.9));
+  PhantomResult result;
+  result.slices_count = static_cast<std::int64_t>(scanned.slices.size());
+  // What the print is, and not where its file lies.
+  PrintedParams printed = params.printed;
+  printed.print = print::to_json(print::read_print(params.printed.print));
+  std::string identity;
+  append(identity, printed);
+  result.series_mb = static_cast<double>(write_series(out / "dicom", scanned, params.scan, params.series,
+                                                      identity + identity_of(params), progress.part(0.9, 1))) /
+                     1e6;
+  remove_series(out / "dicom", second_series);
+  return result;
+}
+
 template <class Body>
 PhantomResult make_body(const std::filesystem::path& out, const Body& body, const PhantomParams& params,
                         std::optional<std::int64_t> PhantomResult::*counted, const Progress& progress) {
@@ -118,9 +146,11 @@ PhantomResult make_phantom(const std::filesystem::path& out, const PhantomParams
   const ScanParams& s = params.scan;
   if (s.upper_step_mm > 0 && s.slices_count < 2)
     throw Error(ExitCode::usage, "", "upper_step_mm", "needs two slices or more");
+  check_print(params);
   check_body(params);
   check_hard(params);
   make_output_folder(out);
+  if (!params.printed.print.empty()) return make_print(out, params, progress);
   if (params.body.body == BodyParams::Body::spine)
     return make_body(out, params.body.spine, params, &PhantomResult::pedicles_count, progress);
   if (params.body.body == BodyParams::Body::chest)

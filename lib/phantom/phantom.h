@@ -7,6 +7,7 @@
 #include "base/result.h"
 #include "grid/grid.h"
 #include "phantom/head.h"
+#include "phantom/print_scan.h"
 #include "phantom/scan.h"
 #include "phantom/second_scan.h"
 #include "phantom/series.h"
@@ -23,6 +24,7 @@ struct PhantomParams {
   TruthParams truth;
   SecondScanParams second;
   BodyParams body;
+  PrintedParams printed;
 };
 
 /// The effective parameters as text, one `name=value` a line: what the files' UIDs are derived from.
@@ -48,8 +50,8 @@ struct PhantomResult {
 };
 
 /// Makes out/dicom/slice_*.dcm, out/truth/* and, where asked for, out/second/*: the same bytes for the same parameters.
-/// Of a spine or a chest, what is of other bodies must be as by default, and the other way round.
-/// Throws as write_series and write_truth do, 64 for parameters that contradict each other.
+/// Of a print there is no truth. Of a spine or a chest, what is of other bodies must be as by default, and the other
+/// way round. Throws as write_series and write_truth do, 64 for parameters that contradict each other.
 PhantomResult make_phantom(const std::filesystem::path& out, const PhantomParams& params,
                            const Progress& progress = {});
 

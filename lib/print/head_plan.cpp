@@ -82,7 +82,7 @@ HeadPlan plan_head(const cases::LoadedCase& loaded, const PrintParams& params, c
   surface::Bounds box = skull.bounds(-below_mm);
   if (box.min_mm.z > -0.5 * below_mm)
     throw Error(ExitCode::bad_input, "case.json", "haptic",
-                "the felt bone ends above the cut of the print; set a higher --cut-above-mm");
+                "the felt bone ends above the cut of the print; set a higher `cut_above_mm`");
   for (int a = 0; a < 3; ++a) {
     box.min_mm[a] -= around_mm;
     box.max_mm[a] += around_mm;

@@ -46,7 +46,7 @@ std::vector<InsertPlan> plan_inserts(const HeadPlan& plan) {
     const auto place = outer_place(plan, skin - plan.middle_mm);
     if (!place)
       throw Error(ExitCode::bad_input, "case.json", "landmarks",
-                  std::string("`kocher_") + side + "` has no bone under it for an insert; use --inserts none");
+                  std::string("`kocher_") + side + "` has no bone under it for an insert; leave it out (`inserts`)");
     insert.place = *place;
     if (insert.place.at_mm.z < outer_radius_mm(insert) + plan.params.wall_mm)
       throw refusal(insert.name, "the insert would reach below the cut", {"set a smaller `insert_mm`"});

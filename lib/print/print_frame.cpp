@@ -16,7 +16,8 @@ Vec3 landmark_of(const cases::CaseManifest& manifest, const std::string& name, c
   for (const cases::CaseLandmark& l : manifest.landmarks)
     if (l.name == name) return l.position_mm;
   throw Error(ExitCode::bad_input, "case.json", "landmarks",
-              "the case has no `" + name + "`, which " + needed_by + " needs; give it to `run` with --landmarks");
+              "the case has no `" + name + "`, which " + needed_by +
+                  " needs; give it in the case's configuration (`landmarks`)");
 }
 
 PrintFrame frame_of(const cases::LoadedCase& loaded, double cut_above_mm) {
@@ -27,7 +28,7 @@ PrintFrame frame_of(const cases::LoadedCase& loaded, double cut_above_mm) {
     throw Error(
         ExitCode::bad_input, "case.json", "landmarks",
         "`nasion`, `inion` and Kocher's points do not lie as on a head, so that its cut is not known; give them "
-        "to `run` with --landmarks");
+        "in the case's configuration (`landmarks`)");
   const Vec3 back = normalized(line), aside = cross(back, up);
   const grid::Lattice& l = loaded.haptic.voxels;
   const Vec3 middle = l.to_world_mm({0.5 * (l.size[0] - 1), 0.5 * (l.size[1] - 1), 0.5 * (l.size[2] - 1)});
@@ -65,7 +66,7 @@ surface::Bounds FeltShape::bounds(double from_z_mm) const {
       }
   if (box.min_mm.x > box.max_mm.x)
     throw Error(ExitCode::bad_input, "case.json", "haptic.shapes",
-                "nothing of `" + shape_ + "` lies above the cut of the print; set a lower --cut-above-mm");
+                "nothing of `" + shape_ + "` lies above the cut of the print; set a lower `cut_above_mm`");
   return box;
 }
 

@@ -98,6 +98,8 @@ double gel_ml(const HeadPlan& plan, const VentriclesPart* ventricles) {
 }  // namespace
 
 Printed print_head(const cases::LoadedCase& loaded, const PrintParams& params, const Progress& progress) {
+  if (params.voxel_mm > params.wall_mm / 3 + 1e-9)
+    throw Error(ExitCode::usage, "", "voxel_mm", "must be at most a third of wall_mm");
   const HeadPlan plan = plan_head(loaded, params, progress.part(0, 0.25));
   const std::vector<InsertPlan> inserts = plan_inserts(plan);
   Printed made;

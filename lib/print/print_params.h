@@ -40,9 +40,6 @@ struct PrintParams {
         "be filled with water, where they are wide enough for their walls; or none.");
     v.number(&P::mark_mm, "mark_mm", Range{6, 20}, "print: diameter of the spheres by which a CT is laid on the case.");
   }
-  std::string fault() const {
-    return voxel_mm > wall_mm / 3 + 1e-9 ? "voxel_mm: must be at most a third of wall_mm" : "";
-  }
 };
 
 }  // namespace trephine::print
