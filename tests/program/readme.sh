@@ -50,6 +50,7 @@ while read -r line; do
     'trephine export LIBRARY/head-01 --format dicom-'*) ;;  # dicom_objects.sh runs it: it needs the case's scan
     'trephine drilled LIBRARY/head-01 PICTURES '*) ;;  # ambf_stack.sh runs it: it needs pictures that were drilled
     'trephine export LIBRARY/head-01 --format tetra-'*) ;;  # solids.sh runs it, where tetrahedra are built
+    'trephine export LIBRARY/head-01 --format print '*) ;;  # print.sh runs it
     'trephine export LIBRARY/head-01 --format ambf '*)
       eval "${line/LIBRARY/library} --quiet" && [[ -s volumetric_drilling/ADF/head-01.ambf/launch.yaml ]] ;;
     'trephine export LIBRARY/head-01 --format slicer-mrb '*)
@@ -74,7 +75,7 @@ while read -r line; do
   esac
   seen=$((seen + 1))
 done <inline.txt
-[[ $seen == 21 ]] || { cat inline.txt; fail "$seen commands in the text of the pages"; }
+[[ $seen == 22 ]] || { cat inline.txt; fail "$seen commands in the text of the pages"; }
 cp head/truth/skull.vtp skull.vtp
 eval "$(grep '^trephine measure' inline.txt) --quiet"
 echo ok
