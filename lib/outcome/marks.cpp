@@ -56,6 +56,7 @@ bool fitted(const ScanView& scan, double radius_mm, FoundSphere& s) {
     }
     if (double(on.size()) < 0.3 * directions) return false;
     std::vector<float> off;
+    off.reserve(on.size());
     for (const Vec3& p : on) off.push_back(float(std::abs(norm(p) - s.radius_mm)));
     std::vector<float> sorted = off;
     const double scale = std::max(0.1, 1.4826 * double(mask::median(sorted, 1)));

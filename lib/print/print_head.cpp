@@ -18,7 +18,8 @@ constexpr double plate_gap_mm = 10;
 constexpr double least_gap_ratio = 0.5;  ///< of the gap that was asked for; nearer parts would not come apart
 constexpr double touch_voxels = 0.3;     ///< what sticks out of a part by less is its roughness
 constexpr int most_tries = 3;
-constexpr double again_mm = 0.1;  ///< of a ball's radius, above half of the least wall
+constexpr double again_mm = 0.1;                     ///< of a ball's radius, above half of the least wall
+constexpr double sealed_mm = 3, least_gel_ml = 100;  ///< of gel: narrower openings than twice this hold it
 constexpr double notable_ml = 0.5;
 
 /// A part's surface, and its smallest wall.
@@ -84,7 +85,7 @@ double gel_ml(const HeadPlan& plan, const VentriclesPart* ventricles) {
     const bool below = bone.to_world_mm({0, 0, double(k)}).z < 0;
     for (int i = 0; i < bone.size[0]; ++i) row[i] = below || bone.at(i, j, k) > 0;
   });
-  const mask::BitMask closed = mask::closed(walls, 3);
+  const mask::BitMask closed = mask::closed(walls, sealed_mm);
   mask::BitMask open = closed;
   const mask::Components spaces = mask::components(open.invert());
   std::vector<char> inner(spaces.list.size(), 0);
@@ -138,6 +139,11 @@ Printed print_head(const cases::LoadedCase& loaded, const PrintParams& params, c
   add(base.base, progress.part(0.85, 0.9), base.letters_to_mm + 0.1);  // letters are no walls
   add(base.lid, progress.part(0.9, 0.92));
   record.gel_ml = gel_ml(plan, stem);
+  if (record.gel_ml < least_gel_ml)
+    made.warnings.push_back({"leaks",
+                             "the printed skull has openings wider than {opening_mm:.0f} mm, through which gel would "
+                             "run out: how much it holds is not known, and they must be closed from outside",
+                             {{"opening_mm", 2 * sealed_mm}}});
   measure_gaps(made, params, progress);
   progress.report(1);
   return made;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "base/progress.h"
 #include "base/warning.h"
 #include "cases/load_case.h"
 #include "print/print_params.h"
