@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/progress.h"
+#include "base/refusal.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
 #include "cli/command.h"
@@ -173,9 +174,9 @@ class Exercise {
           lessons::score_recording(recording, c->folder, *rubric_, lessons::Answers::replayed, public_key());
       lessons::require_approved(c->folder, scored.head.case_sha256, c->case_sha256);
       if (scored.head.unasked && scored.recording.header.device != "script")
-        throw Error(
-            ExitCode::quality, recording.string(), "lesson.asked",
-            "the rubric's questions were not asked: take the recording out of the folder, and do the case again");
+        throw refusal("lesson.asked", "is empty: the rubric's questions were not asked",
+                      {"take the recording out of the folder, and `exercise` has the case to do"})
+            .in_file(recording.string());
       scored.head.language = params_.language;
       const std::string repeats = lessons::write_report(scored, c->folder, {{}, file_of(n, ".html"), log_});
       if (!repeats.empty()) std::cout << fmt::format("{}: the motion is that of {}\n", plan_.cases[n].token, repeats);

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/progress.h"
+#include "base/refusal.h"
 #include "base/signature.h"
 #include "cli/argument.h"
 #include "cli/command.h"
@@ -131,7 +132,9 @@ ExitCode run_record_server(const cli::ParsedCommand& parsed) {
   for (const haptics::ServoFrame& f : read.frames) there.bytes(&f, sizeof f);
   if (there.hex() != seen.hex() || read.header.participant != o.participant || read.header.task != o.task ||
       read.header.rubric_sha256 != o.rubric_sha256 || read.header.case_sha256 != result.header.case_sha256)
-    throw Error(ExitCode::quality, record.string(), "", "was exchanged before it could be signed: not signed");
+    throw refusal("", "is not what was recorded, so that it was not signed",
+                  {"give --record a folder where nobody else can write, and do the `lesson` again"})
+        .in_file(record.string());
   lessons::sign_recording(read, record, key);
   std::cout << lessons::signature_file(record).string() << "\n";
   lessons::ScoredLesson scored = lessons::score_recording(record, o.case_folder, rubric);

@@ -143,7 +143,9 @@ class WitnessedDevice : public Device {
         waits = false;
         taken = taken || answered >= command_since;
       }
-      if (taken && commands_.pop(command_)) {
+      // Then it is let go at once: a command that were still held after a gap would act once more.
+      const bool held = taken && std::exchange(command_, 0) != 0;
+      if (held || (taken && commands_.pop(command_))) {
         taken = false;
         command_since = pose_.sequence + 1;
       }
