@@ -294,7 +294,11 @@ void lesson_actions(Entries e) {
   e->keys = {{GLFW_KEY_BACKSPACE}};
   e->run = does([](Player& p, Words&) { return p.lesson()->back(); });
   e.add("answer", "CHOICE", {{"answers the question that is asked", "beantwortet die Frage"}}, with_question);
-  e->choices = [](const Player& p) { return p.lesson()->questions().choices(p.lesson()->facts()); };
+  e->keys = {{GLFW_KEY_1, How::numbered}};
+  e->first = true;
+  e->choices = [](const Player& p) {
+    return p.lesson() ? p.lesson()->questions().choices(p.lesson()->facts()) : std::vector<std::string>();
+  };
   e->run = does([](Player& p, Words& w) { return p.lesson()->answer(w.word()); });
   e.add("finish", "", {{"ends the lesson", "beendet die Lektion"}}, of_lesson);
   e->label = {{"Finish", "Beenden"}};

@@ -88,6 +88,7 @@ struct Action {
   Group group = Group::work;
   texts::Wording label, what;  ///< of its button; what it does. One for programs alone is said in English alone
   std::vector<KeyUse> keys;
+  bool first = false;                                              ///< while it can be done, its keys do nothing else
   texts::Answer (*enabled)(const Player&) = nullptr;               ///< why it cannot be done now; null: it always can
   std::function<std::vector<std::string>(const Player&)> choices;  ///< a button for each, and its words
   std::function<Reply(Player&, Screen&, Words&)> run;

@@ -13,12 +13,25 @@ constexpr double ask_again_s = 4;                 // within which a key is press
 constexpr double tap_s = 0.05, tap_wait_s = 0.2;  // a key that is tapped acts for so long; held, it goes on after that
 constexpr double first_again_s = 0.5, next_again_s = 0.15;  // until a key that is held acts again
 
+bool is_of(int key, const KeyUse& use) {
+  return use.key == key || (use.how == How::numbered && key > use.key && key <= last_numbered(use.key));
+}
+
 // Calls `what` for each action that the key stands for, with how it does.
 template <class F>
 void each_use(int key, F what) {
   for (const Action& a : all_actions())
     for (const KeyUse& use : a.keys)
-      if (use.key == key || (use.how == How::numbered && key > use.key && key <= last_numbered(use.key))) what(a, use);
+      if (is_of(key, use)) what(a, use);
+}
+
+// The action that has the key to itself now; null: none.
+const Action* first_of(int key, const Player& player) {
+  const Action* first = nullptr;
+  each_use(key, [&](const Action& a, const KeyUse&) {
+    if (a.first && !a.why_not(player)) first = &a;
+  });
+  return first;
 }
 
 }  // namespace
@@ -79,7 +92,9 @@ void Controls::press(int key, Player& player, Screen& screen) {
                                                                              : KeyUse::With::nothing;
   if (key < mouse::left) screen.answer.reset();
   down_since_s_[key] = held_s_;
+  const Action* first = first_of(key, player);
   each_use(key, [&](const Action& a, const KeyUse& use) {
+    if (first && &a != first) return;
     std::string words = use.words;
     if (use.how == How::held && key < mouse::left && acts(use) && !a.why_not(player))
       a.during(player, screen, {use.x, use.y, tap_s});
