@@ -18,10 +18,10 @@ namespace trephine::lessons {
 namespace {
 
 constexpr std::size_t participant_at = 0, module_at = 1, attempt_at = 2, recording_at = 4, rubric_at = 5;
-const ScoreRow* row_of(const LessonScore& score, const std::string& name) {
-  for (const ScoreRow& row : score.rows)
-    if (row.name == name) return &row;
-  return nullptr;
+// 1 to 5; empty where there is no such row, or it is not judged.
+std::string points_of(const LessonScore& score, const std::string& name) {
+  const ScoreRow* row = score.row(name);
+  return row && row->score ? std::to_string(*row->score) : std::string();
 }
 
 std::string text_of(const decltype(LessonFigure::value)& value) {
@@ -33,7 +33,7 @@ std::string text_of(const decltype(LessonFigure::value)& value) {
 
 std::string cell_of(const LessonScore& score, const LessonColumn& column) {
   if (column.row.empty()) return text_of(score.figure(column.name).value);
-  if (const ScoreRow* row = row_of(score, column.row))
+  if (const ScoreRow* row = score.row(column.row))
     for (const auto& [name, value] : row->measured)
       if (name == column.name) return to_text(value);
   return "";
@@ -124,18 +124,13 @@ std::string attempt_line(const ReportHead& head, const LessonFacts& facts, const
   std::string line = head.participant + "," + head.module + "," + std::to_string(attempt) + "," + head.case_token +
                      "," + head.recording_sha256 + "," + head.rubric_sha256 + "," + name_of(facts.end) + "," +
                      std::to_string(sum.points) + "," + std::to_string(sum.most);
-  for (const std::string& name : module.rows) {
-    const ScoreRow* row = row_of(score, name);
-    line += "," + (row && row->score ? std::to_string(*row->score) : std::string());
-  }
+  for (const std::string& name : module.rows) line += "," + points_of(score, name);
   for (const LessonColumn& column : module.columns) line += "," + cell_of(score, column);
   std::string critical;
   for (const CriticalError& e : score.critical) critical += (critical.empty() ? "" : "+") + e.rule.error;
   line += "," + head.motion_sha256 + "," + head.checked() + "," + repeats;
   line += "," + facts.task + "," + name_of(score.outcome()) + "," + critical;
-  const ScoreRow* decisions = score.row("decisions");
-  line += "," + (decisions ? std::to_string(*decisions->score) : std::string());
-  line += std::string(",") + haptics::name_of(head.seal) + "," + name_of(head.signature);
+  line += "," + points_of(score, "decisions") + "," + haptics::name_of(head.seal) + "," + name_of(head.signature);
   return line;
 }
 

@@ -119,7 +119,8 @@ expect 80 "none.lesson: lesson.asked: " "$TREPHINE" score "$work/none.lesson" --
 
 # What names another rubric is not judged by what that one asked.
 python3 "$work/forge.py" elsewhere "$work/wrong.lesson" "$work/elsewhere.lesson"
-"$TREPHINE" score "$work/elsewhere.lesson" --case "$work/chest" --rubric "$work/subclavian.json" >"$work/text"
+"$TREPHINE" score "$work/elsewhere.lesson" --case "$work/chest" --rubric "$work/subclavian.json" --log "$work/elsewhere.csv" >"$work/text"
+python3 -c 'import csv, sys; assert [r["decisions_score"] for r in csv.DictReader(open(sys.argv[1]))] == [""]' "$work/elsewhere.csv" || fail "the log judges them"
 grep -Eq '^Time-out and decisions +not judged  it was asked by another rubric' "$work/text" && grep -q '^The recording names another rubric' "$work/text" ||
   { cat "$work/text"; fail "answers to another rubric's questions are judged"; }
 
