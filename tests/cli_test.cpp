@@ -384,8 +384,9 @@ TEST_F(Cli, ZshAndFishComplete) {
                                      "echo $COMPREPLY'");
     EXPECT_NE(said.find("quick"), std::string::npos) << said;
   }
-  if (std::getenv("TREPHINE_CHECK"))
+  if (std::getenv("TREPHINE_CHECK")) {
     EXPECT_TRUE(is_there("fish") && is_there("zsh")) << "packages-check.txt names both";
+  }
 }
 
 }  // namespace

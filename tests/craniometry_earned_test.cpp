@@ -58,7 +58,9 @@ TEST(LongLandmarksEarned, ThickSlicesAllowNoCertainty) {
     for (const cases::CaseLandmark& l : found.landmarks) {
       EXPECT_LE(l.confidence, most + 1e-9) << l.name << " in slices of " << slice_mm << " mm";
       for (const auto& [name, at] : scene().head.landmarks())
-        if (name == l.name && l.confidence >= 0.5) EXPECT_LT(norm(l.position_mm - at), 8) << name;
+        if (name == l.name && l.confidence >= 0.5) {
+          EXPECT_LT(norm(l.position_mm - at), 8) << name;
+        }
     }
   }
 }
@@ -91,8 +93,9 @@ TEST(LandmarksEarned, AnEarThatIsCutOffBelowIsDoubtful) {
   for (const double z : {-18.0, -12.0, -6.0}) {
     const head::HeadLandmarks found = find(cut(scene(), {-all, -all, z}, {all, all, all}));
     for (const char* name : {"tragus_left", "tragus_right"})
-      if (confidence(found, name) >= 0.5)
+      if (confidence(found, name) >= 0.5) {
         EXPECT_LT(norm(found.find(name)->position_mm - scene().head.landmark(name)), 4) << name << " " << z;
+      }
   }
   const head::HeadLandmarks rim = find(cut(scene(), {-all, -all, 2}, {all, all, all}));
   for (const char* name : {"tragus_left", "tragus_right"}) EXPECT_LT(confidence(rim, name), 0.5) << name;

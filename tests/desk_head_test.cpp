@@ -65,7 +65,9 @@ TEST(desk_head, AnyBytes) {
     std::string text = good;
     for (unsigned n = random() % 6; n-- > 0;) text[random() % text.size()] = static_cast<char>(random());
     HttpHead head;
-    if (parse_head(text, head) == 0) ASSERT_LE(head.asked.target.size(), text.size());
+    if (parse_head(text, head) == 0) {
+      ASSERT_LE(head.asked.target.size(), text.size());
+    }
   }
 }
 

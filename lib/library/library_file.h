@@ -29,7 +29,7 @@ struct PhantomValues {
     v.all_of(&P::body);
   }
   phantom::PhantomParams params() const {
-    phantom::PhantomParams out{head, scan, series, truth, {}, body};
+    phantom::PhantomParams out{head, scan, series, truth, {}, body, {}};
     out.head.hard = hard;
     return out;
   }

@@ -13,7 +13,7 @@ namespace {
 // that nobody reads it.
 template <class F>
 void link(F* function) {
-  static F* volatile linked;
+  [[maybe_unused]] static F* volatile linked;
   linked = function;
 }
 }  // namespace
