@@ -84,6 +84,27 @@ S sphere(const Point<S>& p, const Vec3& centre, double radius) {
   return root(q.x * q.x + q.y * q.y + q.z * q.z + S(1e-12)) - S(radius);
 }
 
+/// What shapes are worth at least where they lie far away, so that they need not be computed where that is enough.
+struct ShapeBounds {
+  Vec3 low{1e9, 1e9, 1e9}, high{-1e9, -1e9, -1e9};  ///< a box that holds all of them
+  /// First-order distances of ellipsoids and slabs are shorter than true ones, by 2 ab / (a^2 + b^2) at most for
+  /// semi-axes a and b (Kantorovich's inequality).
+  double ratio = 1;
+  double slack_mm = 0;  ///< a quarter of the k of all smooth unions
+  void add(Vec3 centre, Vec3 half) {
+    low = {std::min(low.x, centre.x - half.x), std::min(low.y, centre.y - half.y), std::min(low.z, centre.z - half.z)};
+    high = {std::max(high.x, centre.x + half.x), std::max(high.y, centre.y + half.y),
+            std::max(high.z, centre.z + half.z)};
+  }
+  template <class S>
+  double at_least(const Point<S>& p) const {
+    const double x = std::max({low.x - value(p.x), value(p.x) - high.x, 0.0}),
+                 y = std::max({low.y - value(p.y), value(p.y) - high.y, 0.0}),
+                 z = std::max({low.z - value(p.z), value(p.z) - high.z, 0.0});
+    return ratio * std::sqrt(x * x + y * y + z * z) - slack_mm;
+  }
+};
+
 /// |p/r| (|p/r| - 1) / |p/r^2|: first-order distance to an ellipsoid.
 template <class S>
 S ellipsoid(const Point<S>& p, const Vec3& centre, const Vec3& radii) {

@@ -97,7 +97,9 @@ void Model::make_hard(const HeadParams& params) {
     const Vec3 start = course.back() - Vec3{0, -5, 55}, valve{-60, 38, 6};
     for (int i = 1; i <= 10; ++i) course.push_back(under_scalp(start * (1 - 0.1 * i) + valve * (0.1 * i)));
     for (std::size_t i = 0; i + 1 < course.size(); ++i) hard.catheter.push_back({course[i], course[i + 1], 1.25, 1.25});
-    hard.catheter[hard.catheter.size() - 2].radius_to = hard.catheter.back().radius_from = 3.2;
+    Tube &before = hard.catheter[hard.catheter.size() - 2], &last = hard.catheter.back();  // the valve is between them
+    before = {before.from, before.to, before.radius_from, 3.2};
+    last = {last.from, last.to, 3.2, last.radius_to};
     hard.metal.push_back({course[course.size() - 2], 1.2});
   }
   if (is.plexus) {
@@ -136,7 +138,7 @@ void Model::make_hard(const HeadParams& params) {
 template <class S>
 S Model::defects(const Base<S>& b) const {
   S f(1e3);
-  for (const Tube& t : hard.holes) f = lesser(f, capsule(b.p, t.from, t.to, t.radius_from, t.radius_to));
+  for (const Tube& t : hard.holes) f = t.lesser_of(f, b.p);
   if (hard.is.craniectomy) f = lesser(f, ellipsoid(b.p, hard.flap_centre, hard.flap_radii));
   return f;
 }
@@ -189,7 +191,7 @@ template <class S>
 S Model::vessels(const Base<S>& b) const {
   S f(1e3);
   const Point<S> m{magnitude(b.p.x), b.p.y, b.p.z};
-  for (const Tube& t : hard.vessels) f = lesser(f, capsule(m, t.from, t.to, t.radius_from, t.radius_to));
+  for (const Tube& t : hard.vessels) f = t.lesser_of(f, m);
   return f;
 }
 

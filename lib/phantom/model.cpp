@@ -81,9 +81,31 @@ Model::Model(const HeadParams& params) : clinical(params.level != Level::simple)
   thalamus_centre = {third_radii.x + 8.5, 4, third_centre.z + 1};
   monro_top = {{lateral[2].at.x - 0.25 * lateral[2].radius, -13.5, 61 - 0.72 * 5.0 * r}, monro_radius};
   monro_bottom = {{0.4, -11, third_centre.z + 5.5}, monro_radius};
+  bound_shapes();
   if (params.level == Level::hard) make_hard(params);
   for (const Vec3& f : fillings) metal_world.push_back(to_world(f));
   for (const Ball& b : hard.metal) metal_world.push_back(to_world(b.centre));
+}
+
+void Model::bound_shapes() {
+  ventricles_within = {};
+  const auto add = [&](const Node& n) {  // and its mirror image
+    for (const double side : {-1.0, 1.0})
+      ventricles_within.add({side * n.at.x, n.at.y, n.at.z}, {n.radius, n.radius, n.radius});
+  };
+  for (const Node& n : lateral) add(n);
+  for (const Node& n : temporal_horn) add(n);
+  add(monro_top);
+  add(monro_bottom);
+  ventricles_within.add(third_centre, third_radii);
+  ventricles_within.ratio = 0.75;
+  ventricles_within.slack_mm = 0.5 * double(lateral.size() + temporal_horn.size());
+  passages_within = {};
+  passages_within.add(passages_start(), {1.1, 1.1, 1.1});
+  passages_within.add({0, 31, 4}, {7.5, 5, 11});
+  passages_within.add({0, 45, -11}, {1.2, 1.2, 1.2});
+  passages_within.ratio = 0.7;
+  passages_within.slack_mm = 1;
 }
 
 Vec3 Model::to_world(Vec3 model) const {

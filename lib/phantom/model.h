@@ -41,10 +41,26 @@ struct Model {
   std::vector<Node> lateral, temporal_horn;
   Node monro_top, monro_bottom;
   Vec3 third_centre, third_radii, thalamus_centre;
+  ShapeBounds ventricles_within, passages_within;  ///< of what ventricles() and passages() join, after shifted()
 
   struct Tube {
-    Vec3 from, to;
-    double radius_from, radius_to;
+    Tube(Vec3 from_, Vec3 to_, double radius_from_, double radius_to_)
+        : from(from_),
+          to(to_),
+          middle((from_ + to_) * 0.5),
+          radius_from(radius_from_),
+          radius_to(radius_to_),
+          reach(0.5 * norm(to_ - from_) + std::max(radius_from_, radius_to_)) {}
+    Vec3 from, to, middle;
+    double radius_from, radius_to, reach;
+    /// Its capsule, or `far` where that is less: then the capsule need not be computed.
+    template <class S>
+    S lesser_of(const S& far, const Point<S>& p) const {
+      const double x = value(p.x) - middle.x, y = value(p.y) - middle.y, z = value(p.z) - middle.z,
+                   within = reach + value(far);
+      if (within < 0 || x * x + y * y + z * z > within * within) return far;
+      return lesser(far, capsule(p, from, to, radius_from, radius_to));
+    }
   };
   /// Of level hard; model coordinates but for motion, couch and markers, which are the world's.
   struct Hard {
@@ -62,6 +78,7 @@ struct Model {
     double catheter_hu = 330;  ///< of its wall
     double couch_mm = 0;       ///< y of the couch's plate, behind the head
   } hard;
+  void bound_shapes();
   void make_hard(const HeadParams& params);  ///< after everything else is drawn
   std::vector<ImplantTruth> implants;
   /// Holes, catheters, air and staples; `landmarks` are those of the head without them.
@@ -99,6 +116,8 @@ struct Model {
   template <class S>
   S skull(const Base<S>& b) const;
   template <class S>
+  S skull(const Base<S>& b, const S& orbit, const S& nasal) const;  ///< with what orbit(b) and nasal(b) give
+  template <class S>
   S brain(const Base<S>& b) const;  ///< with the cord, unclipped
   template <class S>
   S brain_clipped(const Base<S>& b) const;
@@ -108,6 +127,7 @@ struct Model {
   S ventricles(const Point<S>& p) const;
   template <class S>
   S passages(const Point<S>& p) const;  ///< aqueduct, fourth ventricle, Magendie
+  Vec3 passages_start() const { return {0, third_centre.y + third_radii.y - 3.5, third_centre.z - 3}; }
   template <class S>
   Point<S> shifted(const Point<S>& p) const;
 

@@ -124,10 +124,15 @@ S nasal(const Model::Base<S>& b) {
 
 template <class S>
 S Model::skull(const Base<S>& b) const {
+  return value(b.cavity) < -8 ? skull(b, S(0.0), S(0.0)) : skull(b, orbit(b), nasal(b));  // which have no part there
+}
+
+template <class S>
+S Model::skull(const Base<S>& b, const S& orbit, const S& nasal) const {
   S f = smooth_intersection(b.hull, -b.cavity, 1.5);
   if (value(b.cavity) < -8) return f;
-  f = smooth_intersection(f, -orbit(b), 1.5);
-  f = smooth_intersection(f, -nasal(b), 1.5);
+  f = smooth_intersection(f, -orbit, 1.5);
+  f = smooth_intersection(f, -nasal, 1.5);
   return hard.on ? smooth_intersection(f, -defects(b), 0.8) : f;
 }
 
@@ -170,7 +175,8 @@ S Model::brain(const Base<S>& b) const {
   if (clinical) f = smooth_intersection(f, -sulci(b), 1.0);
   if (hard.on) f = smooth_intersection(f, S(0.7) - vessels(b), 0.5);
   // At least 3 mm of brain stay around the ventricles, however deep sulci and cisterns are.
-  f = joined(f, 2, p, {0, 5, 45}, 80, [&] { return ventricles(p) - S(3.0); });
+  if (ventricles_within.at_least(shifted(p)) - 3 < value(f) + 2)
+    f = joined(f, 2, p, {0, 5, 45}, 80, [&] { return ventricles(p) - S(3.0); });
   const S stem =
       smooth_union(capsule(p, {0, 6, 30}, {0, 16, 4}, 11.5, 12.0), capsule(p, {0, 16, 4}, {0, 27, -26}, 9, 6.0), 6);
   f = smooth_union(f, stem, 3);
@@ -230,8 +236,7 @@ S Model::ventricles(const Point<S>& model) const {
 template <class S>
 S Model::passages(const Point<S>& model) const {
   const Point<S> p = shifted(model);
-  const Vec3 start{0, third_centre.y + third_radii.y - 3.5, third_centre.z - 3};
-  S f = capsule(p, start, {0, 29, 9}, 1.0, 1.1);                                 // aqueduct
+  S f = capsule(p, passages_start(), {0, 29, 9}, 1.0, 1.1);                      // aqueduct
   f = smooth_union(f, ellipsoid(p, {0, 31, 4}, {7.5, 5, 11}), 2);                // fourth
   return smooth_union(f, capsule(p, {0, 33, -4}, {0, 45, -11}, 1.2, 1.2), 1.5);  // Magendie, to the cisterna magna
 }
@@ -243,20 +248,21 @@ S Model::solid(Anatomy anatomy, const Point<S>& p) const {
   return anatomy == Anatomy::skin ? skin(b) : anatomy == Anatomy::skull ? skull(b) : brain_clipped(b);
 }
 
-#define TREPHINE_INSTANTIATE(S)                                     \
-  template struct Model::Base<S>;                                   \
-  template Model::Base<S> Model::base(const Point<S>&, bool) const; \
-  template S orbit(const Model::Base<S>&);                          \
-  template S nasal(const Model::Base<S>&);                          \
-  template S Model::skin(const Model::Base<S>&) const;              \
-  template S Model::skull(const Model::Base<S>&) const;             \
-  template S Model::teeth(const Point<S>&) const;                   \
-  template S Model::brain(const Model::Base<S>&) const;             \
-  template S Model::bone_hull(const Point<S>&, const S&) const;     \
-  template Point<S> Model::shifted(const Point<S>&) const;          \
-  template S Model::brain_clipped(const Model::Base<S>&) const;     \
-  template S Model::ventricles(const Point<S>&) const;              \
-  template S Model::passages(const Point<S>&) const;                \
+#define TREPHINE_INSTANTIATE(S)                                             \
+  template struct Model::Base<S>;                                           \
+  template Model::Base<S> Model::base(const Point<S>&, bool) const;         \
+  template S orbit(const Model::Base<S>&);                                  \
+  template S nasal(const Model::Base<S>&);                                  \
+  template S Model::skin(const Model::Base<S>&) const;                      \
+  template S Model::skull(const Model::Base<S>&) const;                     \
+  template S Model::skull(const Model::Base<S>&, const S&, const S&) const; \
+  template S Model::teeth(const Point<S>&) const;                           \
+  template S Model::brain(const Model::Base<S>&) const;                     \
+  template S Model::bone_hull(const Point<S>&, const S&) const;             \
+  template Point<S> Model::shifted(const Point<S>&) const;                  \
+  template S Model::brain_clipped(const Model::Base<S>&) const;             \
+  template S Model::ventricles(const Point<S>&) const;                      \
+  template S Model::passages(const Point<S>&) const;                        \
   template S Model::solid(Anatomy, const Point<S>&) const;
 TREPHINE_INSTANTIATE(double)
 TREPHINE_INSTANTIATE(Dual)

@@ -24,10 +24,12 @@ struct Brush {
     clearance = std::min(clearance, std::fabs(f) / slope);
     return clamped(0.5 - f / width, 0, 1);
   }
+  /// Whether a shape whose f is at least `bound` can change hu or clearance.
+  bool reaches(double bound) const { return bound < std::max(clearance, 0.5 * width); }
   void paint(double tissue, double f, double slope = 1) { hu += (tissue - hu) * cover(f, slope); }
 };
 
-void paint_soft(Brush& b, const Model& model, const Model::Base<double>& base, double skin) {
+void paint_soft(Brush& b, const Model::Base<double>& base, double skin, double orbit, double nasal) {
   const PointD& m = base.m;
   b.paint(fat, skin + 1.6);
   double f = std::min(base.hull - 2.4, skin + 14);                    // galea and deep muscle
@@ -35,7 +37,6 @@ void paint_soft(Brush& b, const Model& model, const Model::Base<double>& base, d
   f = std::min(f, capsule(m, {60, -44, -10}, {52, -32, -62}, 7, 8));  // masseter
   f = std::max(f, skin + 2.6);
   b.paint(muscle, f);
-  const double orbit = phantom::orbit(base);
   if (orbit < under_bone_mm + 3) {
     b.paint(fat, std::max(orbit - under_bone_mm, skin + 3.0));
     b.paint(muscle, std::min({capsule(m, {31, -68, 29}, {17, -44, 20}, 1.8, 1.6),
@@ -49,7 +50,6 @@ void paint_soft(Brush& b, const Model& model, const Model::Base<double>& base, d
   } else {
     b.clearance = std::min(b.clearance, orbit - under_bone_mm);
   }
-  const double nasal = phantom::nasal(base);
   b.paint(mucosa, std::max(nasal - under_bone_mm, skin + 3.0));
   b.paint(air, std::max(nasal + 1.3, skin + 4.2));
 }
@@ -73,10 +73,11 @@ void paint_brain(Brush& b, const Model& model, const Model::Base<double>& base, 
   // Deep grey: the thalami beside the third ventricle.
   const PointD p = model.shifted(base.p);
   b.paint(grey, ellipsoid(PointD{std::fabs(p.x), p.y, p.z}, model.thalamus_centre, {7, 12, 7}));
-  b.paint(csf, model.ventricles(base.p));
-  b.paint(csf, model.passages(base.p));
+  if (b.reaches(model.ventricles_within.at_least(p))) b.paint(csf, model.ventricles(base.p));
+  if (b.reaches(model.passages_within.at_least(p))) b.paint(csf, model.passages(base.p));
   if (!model.hard.on) return;
-  const double ventricles = model.ventricles(base.p);
+  const double ventricles =
+      life.blood == Blood::intraventricular || life.contrast ? model.ventricles(base.p) : 0;  // not asked for
   if (life.blood == Blood::intraventricular) b.paint(clot, std::max(ventricles, model.hard.settled_y - base.p.y));
   if (life.contrast) {
     b.paint(opacified, std::max(model.vessels(base), base.cavity + 0.4));
@@ -100,7 +101,8 @@ void paint_hard(Brush& b, const Model& model, const Model::Base<double>& base, d
   for (const Model::Ball& ball : model.hard.air)
     b.paint(air, std::max(sphere(base.p, ball.centre, ball.radius), base.cavity + 0.8));
   for (const Model::Tube& t : model.hard.catheter) {
-    const double tube = capsule(base.p, t.from, t.to, t.radius_from, t.radius_to);
+    const double far = std::max(b.clearance, 0.5 * b.width) + 1e-6, tube = t.lesser_of(far, base.p);
+    if (tube == far) continue;  // neither hu nor clearance changes
     b.paint(model.hard.catheter_hu, tube);
     b.paint(csf, tube + 0.52 * std::min(t.radius_from, 1.25));
   }
@@ -126,11 +128,14 @@ void paint_bone(Brush& b, const Model& model, const Model::Base<double>& base, d
   Brush inside{b.width, cortical, b.clearance};
   inside.paint(diploe, bone + table_mm);
   const double wall = bone + 2.3;
-  double sinus = std::min({ellipsoid(m, {11, -84, 42}, {10, 6, 11}), ellipsoid(m, {6.5, -21, -4}, {5, 10, 7}),
-                           ellipsoid(m, {21, -66, -15}, {11, 16, 14})});
-  sinus = std::max(sinus, wall);
-  inside.paint(cortical, sinus - 1.2);
-  inside.paint(cell, sinus);
+  static const ShapeBounds sinuses{{0, -90, -31}, {32, -11, 53}, 0.75, 0}, teeth{{0, -96, -68}, {36, -50, -32}, 1, 4};
+  if (inside.reaches(sinuses.at_least(m) - 1.2)) {
+    double sinus = std::min({ellipsoid(m, {11, -84, 42}, {10, 6, 11}), ellipsoid(m, {6.5, -21, -4}, {5, 10, 7}),
+                             ellipsoid(m, {21, -66, -15}, {11, 16, 14})});
+    sinus = std::max(sinus, wall);
+    inside.paint(cortical, sinus - 1.2);
+    inside.paint(cell, sinus);
+  }
   if (m.x > 40 && m.x < 72 && m.y > -2 && m.y < 36) {
     double cells = 1e3;
     for (const Model::Ball& ball : model.cells) cells = std::min(cells, sphere(base.p, ball.centre, ball.radius));
@@ -139,7 +144,7 @@ void paint_bone(Brush& b, const Model& model, const Model::Base<double>& base, d
     inside.clearance = std::min(inside.clearance, std::max({40 - m.x, m.x - 72, -2 - m.y, m.y - 36}));
   }
   inside.paint(suture, suture_distance(base));
-  inside.paint(tooth, model.teeth(m));
+  if (inside.reaches(teeth.at_least(m))) inside.paint(tooth, model.teeth(m));
   b.clearance = inside.clearance;
   b.hu += (inside.hu - b.hu) * bone_cover;
 }
@@ -162,12 +167,13 @@ Head::Sample Head::sample(Vec3 lps, double width_mm) const {
     outside = 1 - b.cover(skin);
     b.paint(skin_hu, skin);
     if (skin < width_mm) {
-      paint_soft(b, model, base, skin);
+      const double orbit = phantom::orbit(base), nasal = phantom::nasal(base);
+      paint_soft(b, base, skin, orbit, nasal);
       double under = clamped(-base.hull, 0, under_bone_mm);
       if (model.hard.on) under = clamped(std::min(-base.hull, model.defects(base)), 0, under_bone_mm);
       if (base.cavity < under_bone_mm + width_mm) paint_brain(b, model, base, base.cavity - under);
       b.clearance = std::min(b.clearance, std::fabs(base.cavity));
-      const double bone = model.skull(base);
+      const double bone = model.skull(base, orbit, nasal);
       paint_bone(b, model, base, bone);
     }
   }
