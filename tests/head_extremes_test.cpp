@@ -83,6 +83,7 @@ phantom::ScanParams usual() {
   how.pixel_mm = 1.5;
   how.slices_count = 80;
   how.slice_step_mm = how.slice_thickness_mm = 2.4;
+  how.subvoxel_mm = 0.8;
   return how;
 }
 

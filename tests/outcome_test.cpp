@@ -34,7 +34,7 @@ phantom::ScanParams scanner() {
   s.slice_step_mm = s.slice_thickness_mm = 2;
   s.centre_mm = {14, -30, 99};  // the upper head, where it lies
   s.noise_hu = 8;
-  s.subvoxel_mm = 0.7;
+  s.subvoxel_mm = 1.2;
   s.head_turn_deg = {9, -6, 12};
   s.head_shift_mm = {14, -22, 37};
   return s;

@@ -24,6 +24,7 @@ inline phantom::ScanParams scan_of(int pixels, int slices, double noise_hu, doub
   how.slices_count = slices;
   how.slice_step_mm = how.slice_thickness_mm = height_mm / slices;
   how.noise_hu = noise_hu;
+  how.subvoxel_mm = std::max(how.subvoxel_mm, 0.5 * field_of_view_mm / pixels);  // two pieces along a pixel
   return how;
 }
 
