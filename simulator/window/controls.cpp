@@ -9,7 +9,8 @@ namespace {
 
 using How = KeyUse::How;
 
-constexpr double ask_again_s = 4;                 // within which a key is pressed twice
+constexpr double ask_again_s = 4;   // within which a key is pressed twice
+constexpr double led_most_s = 0.1;  // of a held key's motion from picture to picture, however long one takes
 constexpr double tap_s = 0.05, tap_wait_s = 0.2;  // a key that is tapped acts for so long; held, it goes on after that
 constexpr double first_again_s = 0.5, next_again_s = 0.15;  // until a key that is held acts again
 
@@ -130,7 +131,7 @@ void Controls::release(int key, Player& player, Screen& screen) {
 void Controls::hold(double wall_s, Player& player, Screen& screen) {
   held_s_ += wall_s;
   for (const Action& a : all_actions()) {
-    Gesture gesture{0, 0, wall_s};
+    Gesture gesture{0, 0, std::min(wall_s, led_most_s)};
     bool held = false;
     for (const KeyUse& use : a.keys) {
       if (!down_.count(use.key)) continue;
