@@ -27,6 +27,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds between_poses{1}, patience{20};
+// Where this machine gave the loop no time for a while, the tool moves by more in one tick than a hand does in the few
+// ms that the server grants it. The server is then told that there was a gap, by more silence than its patience
+// (UdpParams): it takes no such motion for a device that jumped, and lets the tool in again as after any gap.
+constexpr double most_step_mm = 20;
+constexpr std::chrono::milliseconds gap{80};
 constexpr std::chrono::seconds first_answer{30}, longest_silence{10}, last_commands{2};
 
 /// What one thread writes and another reads in the same order.
@@ -95,6 +100,10 @@ class WitnessedDevice : public Device {
     if (there && !out.silent) {
       const int command = haptics::belt_button::command(out.buttons);
       if (command != given_ && !commands_.push(given_ = command)) silent_now_ = true;  // nothing may be forgotten
+      if (stepped_ && norm(out.tip_mm - last_mm_) > most_step_mm)
+        quiet_until_.store((Clock::now() + gap).time_since_epoch(), std::memory_order_relaxed);
+      stepped_ = true;
+      last_mm_ = out.tip_mm;
       readings_.write(out);
     }
     return there && !silent_now_.load(std::memory_order_relaxed);
@@ -151,7 +160,8 @@ class WitnessedDevice : public Device {
       }
       if (ending && (taken || Clock::now() > end)) return;
       pose_.reading.across = haptics::usable_across(pose_.reading.across, pose_.reading.axis);
-      if (ending || Clock::now() - read < patience) {  // else the device is silent, as the server will find
+      const bool quiet = Clock::now().time_since_epoch() < quiet_until_.load(std::memory_order_relaxed);
+      if (ending || (!quiet && Clock::now() - read < patience)) {  // else the device is silent, as the server will find
         send_pose();
         if (!std::exchange(waits, true)) waits_since = Clock::now();
       }
@@ -167,6 +177,9 @@ class WitnessedDevice : public Device {
   Mailbox<DeviceReading> readings_;
   CommandQueue commands_;
   int given_ = 0, command_ = 0;  // the servo thread's; the one that is sent
+  Vec3 last_mm_;                 // the servo thread's
+  bool stepped_ = false;
+  std::atomic<Clock::duration> quiet_until_{Clock::duration::zero()};
   bool refused_ = false;
   std::atomic<bool> stop_{false}, silent_now_{false};
   std::thread thread_;
