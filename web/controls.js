@@ -76,6 +76,13 @@ function setScale(viewer, mm) {
   $('bar-high').textContent = '+' + mm.toFixed(2) + ' mm'
 }
 
+// Keys go to what lies under the mouse, unless something is typed or chosen elsewhere.
+function takeKeys(element) {
+  element.addEventListener('pointerenter', e => {
+    if (e.pointerType === 'mouse' && !document.activeElement.matches('input,select')) element.focus({ preventScroll: true })
+  })
+}
+
 // The view: mouse, touch, keys.
 function listenToView(viewer) {
   const { meshes, cam, view, solid, pointers } = viewer
@@ -103,7 +110,8 @@ function listenToView(viewer) {
       viewer.pinch = d
       cam.pan[0] += (dx * mm) / 2
       cam.pan[1] -= (dy * mm) / 2
-    } else if (e.shiftKey || e.buttons & 6) {
+    } else if (e.buttons & 2) zoom(viewer, Math.exp(dy / 150))
+    else if (e.shiftKey || e.buttons & 4) {
       cam.pan[0] += dx * mm
       cam.pan[1] -= dy * mm
     } else turn(viewer, -dx * 0.008, dy * 0.008)
@@ -112,6 +120,7 @@ function listenToView(viewer) {
   view.addEventListener('pointerup', e => release(viewer, e))
   view.addEventListener('pointercancel', e => release(viewer, e))
   view.addEventListener('contextmenu', e => e.preventDefault())
+  takeKeys(view)
   view.addEventListener(
     'wheel',
     e => {
@@ -144,13 +153,18 @@ function listenToView(viewer) {
   })
 }
 
-// A click sets the cross-hair, a drag or the wheel scrolls, a right drag sets the window.
+// A click sets the cross-hair, a drag scrolls or measures, the wheel scrolls, a right drag zooms or sets the window, shift and
+// drag moves.
 function listenToSlices(viewer) {
   const { volume, at, state, window_ } = viewer
   for (const p of planes) {
     const canvas = $(p.id),
       spacing = volume ? volume.spacing[p.axis] : 1
     let from = null
+    const placeAt = (x, y) => {
+      const b = canvas.getBoundingClientRect()
+      return p.back(x - b.left, y - b.top)
+    }
     const step = n => {
       const q = [...at],
         [low, high] = state.reach[p.axis]
@@ -159,7 +173,7 @@ function listenToSlices(viewer) {
     }
     canvas.addEventListener('pointerdown', e => {
       canvas.setPointerCapture(e.pointerId)
-      from = { x: e.clientX, y: e.clientY, moved: false, rest: 0, window: { ...window_ } }
+      from = { x: e.clientX, y: e.clientY, moved: false, rest: 0, window: { ...window_ }, zoom: p.zoom, pan: [...p.pan] }
     })
     canvas.addEventListener('pointermove', e => {
       if (!from) return
@@ -167,21 +181,25 @@ function listenToSlices(viewer) {
         dy = e.clientY - from.y
       if (!from.moved && Math.hypot(dx, dy) < 4) return
       from.moved = true
-      if (e.buttons & 2) {
+      if (e.buttons & 2 && $('right-drag').value === 'zoom') p.zoom = Math.max(1, Math.min(30, from.zoom * Math.exp(-dy / 150)))
+      else if (e.buttons & 2) {
         setWindow(viewer, from.window.level - dy, from.window.width + 2 * dx)
         $('window').value = 'free'
-        reslice(viewer)
+      } else if (e.shiftKey || e.buttons & 4) p.pan = [from.pan[0] + dx, from.pan[1] + dy]
+      else if ($('measure').checked) {
+        if (!from.measure) state.measures.push((from.measure = { plane: p, mm: at[p.axis], from: placeAt(from.x, from.y) }))
+        from.measure.to = placeAt(e.clientX, e.clientY)
       } else {
         const n = Math.trunc(-dy / 3) - from.rest
         from.rest += n
         if (n) step(n)
       }
+      reslice(viewer)
     })
     canvas.addEventListener('pointerup', e => {
       if (from && !from.moved && e.button === 0) {
-        const b = canvas.getBoundingClientRect(),
-          q = [...at]
-        ;[q[p.u], q[p.v]] = p.back(e.clientX - b.left, e.clientY - b.top)
+        const q = [...at]
+        ;[q[p.u], q[p.v]] = placeAt(e.clientX, e.clientY)
         goTo(viewer, q)
       }
       from = null
@@ -190,6 +208,7 @@ function listenToSlices(viewer) {
       from = null
     })
     canvas.addEventListener('contextmenu', e => e.preventDefault())
+    takeKeys(canvas)
     canvas.addEventListener(
       'wheel',
       e => {
@@ -266,7 +285,7 @@ function listSurfaces(viewer) {
 }
 
 function listenToPanel(viewer) {
-  const { page, meshes, clip, innermost, at, state, root } = viewer
+  const { page, meshes, clip, innermost, at, state } = viewer
   listen('scale', 'input', e => {
     setScale(viewer, +e.target.value)
     redraw(viewer)
@@ -308,11 +327,18 @@ function listenToPanel(viewer) {
       setWindow(viewer, +$('level').value, +$('width').value)
       reslice(viewer)
     })
-  listen('theme', 'click', () => {
-    $('theme').textContent = root.classList.toggle('light') ? 'dark' : 'light'
-    redraw(viewer)
+  listenToTheme(() => redraw(viewer))
+  listen('fill', 'input', e => {
+    fillFelt(viewer, +e.target.value)
+    reslice(viewer)
+  })
+  listen('clear', 'click', () => {
+    state.measures.length = 0
+    for (const p of planes) Object.assign(p, { zoom: 1, pan: [0, 0] })
+    reslice(viewer)
   })
   for (const id of ['window', 'level', 'width']) $(id).disabled = !page.ct
   $('show-felt').disabled = !page.felt || !page.ct
+  $('fill').disabled = !page.felt
   $('show-felt').checked = !!page.felt && !page.ct
 }

@@ -8,3 +8,14 @@ const make = (tag, name, text) => {
   if (text !== undefined) e.textContent = text
   return e
 }
+
+// Light or dark: as the system is, until the button says otherwise.
+function listenToTheme(changed) {
+  const root = document.documentElement
+  const show = light => {
+    $('theme').textContent = root.classList.toggle('light', light) ? 'dark' : 'light'
+    changed()
+  }
+  $('theme').addEventListener('click', () => show())
+  show(matchMedia('(prefers-color-scheme: light)').matches)
+}

@@ -180,9 +180,7 @@ function listenToIndex(index) {
   for (const id of controls) $(id).addEventListener('input', () => listCases(index))
   $('rows').addEventListener('scroll', () => requestAnimationFrame(() => drawRows(index)))
   addEventListener('resize', () => drawRows(index))
-  $('theme').addEventListener('click', () => {
-    $('theme').textContent = document.documentElement.classList.toggle('light') ? 'dark' : 'light'
-  })
+  listenToTheme(() => {})
 }
 
 function startIndex() {

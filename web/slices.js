@@ -1,9 +1,9 @@
 // The slices. Axial as seen from the feet, coronal from the front (the patient's right on the left), sagittal with
 // the nose on the left.
 const planes = [
-  { id: 'sagittal', axis: 0, u: 1, v: 2, ends: 'APSI' },
-  { id: 'coronal', axis: 1, u: 0, v: 2, ends: 'RLSI' },
-  { id: 'axial', axis: 2, u: 0, v: 1, ends: 'RLAP' }
+  { id: 'sagittal', axis: 0, u: 1, v: 2, ends: 'APSI', zoom: 1, pan: [0, 0] },
+  { id: 'coronal', axis: 1, u: 0, v: 2, ends: 'RLSI', zoom: 1, pan: [0, 0] },
+  { id: 'axial', axis: 2, u: 0, v: 1, ends: 'RLAP', zoom: 1, pan: [0, 0] }
 ]
 
 // The exact cut of a surface with the plane where coordinate `axis` is mm: calls line(u0, v0, u1, v1) in mm for every triangle
@@ -32,6 +32,9 @@ function cutSurface(m, axis, mm, u, v, line) {
   }
 }
 
+// A measure lies in one slice: from and to are its (u, v) there, in mm.
+const lengthOf = m => Math.hypot(m.to[0] - m.from[0], m.to[1] - m.from[1])
+
 // Where the middle of the first and of the last voxel lie.
 const reach = (volume, axis) => [volume.origin[axis], volume.origin[axis] + volume.spacing[axis] * (volume.size[axis] - 1)]
 
@@ -59,8 +62,8 @@ function sliceImage(volume, plane, mm, colour) {
 
 const pixel = (r, g, b, a) => ((a << 24) | (b << 16) | (g << 8) | r) >>> 0
 
-// Draws one plane. state: at, window, meshes, marks, showCuts, showMarks, showFelt. It leaves in the plane how its pixels and mm
-// belong together: place(u, v) in mm to pixels, and back(x, y).
+// Draws one plane, at its zoom and pan. state: at, window, meshes, marks, measures, showCuts, showMarks, showFelt. It leaves in
+// the plane how its pixels and mm belong together: place(u, v) in mm to pixels, and back(x, y).
 function drawSlice(plane, page, state) {
   const canvas = $(plane.id),
     r = Math.min(2, devicePixelRatio || 1),
@@ -71,11 +74,13 @@ function drawSlice(plane, page, state) {
     up = v === 2 ? -1 : 1,
     [u0, u1] = state.reach[u],
     [v0, v1] = state.reach[v]
-  const k = Math.min(w / (u1 - u0), h / (v1 - v0)) * 0.97
-  const X = mm => w / 2 + (mm - (u0 + u1) / 2) * k,
-    Y = mm => h / 2 + (mm - (v0 + v1) / 2) * k * up
+  const k = Math.min(w / (u1 - u0), h / (v1 - v0)) * 0.97 * plane.zoom
+  const left = w / 2 + plane.pan[0] * r,
+    top = h / 2 + plane.pan[1] * r
+  const X = mm => left + (mm - (u0 + u1) / 2) * k,
+    Y = mm => top + (mm - (v0 + v1) / 2) * k * up
   plane.place = (a, b) => [X(a) / r, Y(b) / r]
-  plane.back = (x, y) => [(x * r - w / 2) / k + (u0 + u1) / 2, ((y * r - h / 2) / k) * up + (v0 + v1) / 2]
+  plane.back = (x, y) => [(x * r - left) / k + (u0 + u1) / 2, ((y * r - top) / k) * up + (v0 + v1) / 2]
   c.fillStyle = '#000'
   c.fillRect(0, 0, w, h)
   const paint = (volume, colour, smooth) => {
@@ -119,6 +124,16 @@ function drawSlice(plane, page, state) {
     [where, 4 * r, low]
   ]
   for (const [text, left, base] of places) inked(c, text, left, base, '#b9cadb', r)
+  for (const m of state.measures)
+    if (m.plane === plane && Math.abs(m.mm - state.at[axis]) < 1e-3) {
+      c.strokeStyle = '#7dffb0'
+      c.lineWidth = 1.5 * r
+      c.beginPath()
+      c.moveTo(X(m.from[0]), Y(m.from[1]))
+      c.lineTo(X(m.to[0]), Y(m.to[1]))
+      c.stroke()
+      inked(c, lengthOf(m).toFixed(1) + ' mm', X(m.to[0]) + 6 * r, Y(m.to[1]), '#7dffb0', r)
+    }
   if (state.showMarks) {
     const near = page.marks.filter(l => Math.abs(l.p[axis] - state.at[axis]) < 3)
     drawLabels(

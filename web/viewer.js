@@ -4,7 +4,13 @@ const shown = v => (v === undefined ? '' : v)
 const digits = (v, n) =>
   typeof v === 'number' ? v.toLocaleString('en', { minimumFractionDigits: n, maximumFractionDigits: n }) : shown(v)
 const label = name => name.replace(/_/g, ' ')
-const markOf = (name, p, colour, note) => ({ name, label: label(name), p, colour, note })
+// What is less sure than one in two is no colour that says "here it is", and its name asks.
+const isDoubtful = point => point.confidence < 0.5
+const markOf = (point, colour) => ({
+  label: label(point.name) + (isDoubtful(point) ? ' ?' : ''),
+  p: point.position_mm,
+  colour: isDoubtful(point) ? '#9aa7b5' : colour
+})
 
 function setWindow(viewer, level, width) {
   const { state, hu, window_ } = viewer
@@ -172,11 +178,9 @@ function layOutScene(viewer) {
   const cam = makeCamera(centre, radius)
   viewer.cam = cam
   page.marks = [
-    ...data.burr_holes.map(h => markOf(h.name, h.position_mm, '#ff7a3c', h.diameter_mm + ' mm')),
-    ...data.targets.map(t => markOf(t.name, t.position_mm, '#7cf0a0', 'target')),
-    ...data.landmarks
-      .filter(l => !data.targets.some(t => t.name === l.name))
-      .map(l => markOf(l.name, l.position_mm, '#ffd84a', l.source))
+    ...data.burr_holes.map(h => markOf(h, '#ff7a3c')),
+    ...data.targets.map(t => markOf(t, '#7cf0a0')),
+    ...data.landmarks.filter(l => !data.targets.some(t => t.name === l.name)).map(l => markOf(l, '#ffd84a'))
   ]
   const innermost = inward[inward.length - 1],
     at = [...centre]
@@ -197,6 +201,7 @@ function layOutScene(viewer) {
     showCuts: true,
     showMarks: true,
     showFelt: false,
+    measures: [],
     reach: box.map((b, k) => (volume ? reach(volume, k).map((v, i) => (i ? Math.max(v, b[1]) : Math.min(v, b[0]))) : b))
   }
   viewer.state = state
@@ -207,11 +212,17 @@ function chooseGreys(viewer) {
   const { page, data, state } = viewer
   const hu = data.ct && huOfLevels(data.ct.levels)
   viewer.hu = hu
-  state.feltColours = new Uint32Array(256)
-  if (data.felt)
-    for (const s of data.felt.shapes)
-      state.feltColours[s.number] = pixel(...s.colour_rgb.map(c => (c * 255) | 0), page.ct ? 120 : 200)
+  fillFelt(viewer, page.ct ? 0.47 : 0.78)
   setWindow(viewer, 40, 400)
+}
+
+// The shapes that are felt, laid over the slices: 0 shows none of them, 1 nothing else.
+function fillFelt(viewer, opacity) {
+  const { data, state } = viewer
+  state.feltColours = new Uint32Array(256)
+  for (const s of data.felt ? data.felt.shapes : [])
+    state.feltColours[s.number] = pixel(...s.colour_rgb.map(c => (c * 255) | 0), Math.round(255 * opacity))
+  $('fill').value = opacity
 }
 
 function openView(viewer) {

@@ -189,7 +189,8 @@ void ConfigValues::check(
 std::vector<ValueRow> ConfigValues::rows() const {
   std::vector<ValueRow> all;
   for (const auto& [path, target] : targets_)
-    all.push_back({path, trephine::to_text(target.parameter->get(target.object)), origin(path)});
+    all.push_back(
+        {path, trephine::to_text(target.parameter->get(target.object)), origin(path), target.parameter->help});
   return all;
 }
 

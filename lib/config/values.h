@@ -37,6 +37,7 @@ struct ValueOrigin {
 struct ValueRow {
   std::string path, value;
   ValueOrigin origin;
+  std::string about;  ///< what its declaration says of it, one line
 };
 
 /// The parameters of a case by their paths: "import.series", "resample.spacing_mm", "skull.decimate.max_deviation_mm",

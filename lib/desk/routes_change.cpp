@@ -60,7 +60,8 @@ Json json_of(const cases::CaseManifest& m) {
 
 Json json_of(const config::CaseConfig& config) {
   Json out = {{"landmarks", Json::object()}, {"holes", Json::array()},           {"values", Json::array()},
-              {"anatomies", Json::array()},  {"known_landmarks", Json::array()}, {"face", config.face}};
+              {"anatomies", Json::array()},  {"known_landmarks", Json::array()}, {"face", config.face},
+              {"steps", Json::array()}};
   out["cuts_holes"] = !config.drilled.empty();
   for (const cases::CaseLandmark& l : config.landmarks) out["landmarks"][l.name] = json_of(l.position_mm);
   for (const config::CaseDrill& h : config.burr_holes) {
@@ -73,15 +74,15 @@ Json json_of(const config::CaseConfig& config) {
                             {"direction", p.direction},
                             {"toward", p.toward}});
   }
-  for (const config::ValueRow& row : config.values)
-    out["values"].push_back({{"path", row.path}, {"value", row.value}, {"source", config::to_text(row.origin.source)}});
+  for (const auto& [path, value, origin, about] : config.values)
+    out["values"].push_back(
+        {{"path", path}, {"value", value}, {"source", config::to_text(origin.source)}, {"about", about}});
   for (const config::RecipeAnatomy& a : config.anatomies)
     out["anatomies"].push_back({{"name", a.name},
                                 {"colour_rgb", a.colour_rgb},
                                 {"shown", config.is_shown(a.name)},
                                 {"field", config::corrected_field(config, a.name)}});
   // The steps whose fields can be drawn on the scan's voxels.
-  out["steps"] = Json::array();
   for (const config::RecipeAnatomy& a : config.anatomies)
     for (const config::RecipeStep& step : a.steps)
       if (step.type->output == stages::DataKind::field && !step.type->changes_raster)

@@ -108,6 +108,7 @@ class Page:
         self.check(self.b.js("return trephine.kind") == ("webgl2" if self.mode == "webgl2" else "processor"), "drawn by the right painter")
         self.check(self.b.js("return document.getElementById('problem').hidden"), "no problem is told")
         self.check(len(set(self.pixels()[::4])) > 40, "something is drawn")
+        self.check(self.b.js("return document.documentElement.classList.contains('light') === matchMedia('(prefers-color-scheme: light)').matches"), "as light as the system")
         self.check(self.b.js("return document.getElementById('library').offsetParent === null"), "no link to a library that may not be there")
 
     def controls(self):
@@ -169,6 +170,51 @@ class Page:
         self.b.key("2")
         self.check(self.b.js("return trephine.meshes[1].visible") != shown, "a digit switches a surface")
         self.b.key("2")
+
+    def looking(self):
+        """A drag measures, a right drag zooms or sets the window, and what is doubtful does not look sure."""
+        box = self.b.js("const r = document.getElementById('axial').getBoundingClientRect(); return [r.x, r.y, r.width, r.height]")
+        x, y = int(box[0] + box[2] / 2), int(box[1] + box[3] / 2)
+        at = self.at()
+        per_mm = self.b.js("const p = trephine.planes.find(p => p.id === 'axial'); return p.place(1, 0)[0] - p.place(0, 0)[0]")
+        self.set("measure", None)
+        self.b.drag(x, y, x + 40, y - 30)
+        settle(self.b)
+        measures = self.b.js("return trephine.state.measures.map(m => [m.plane.id, m.mm, Math.hypot(m.to[0] - m.from[0], m.to[1] - m.from[1])])")
+        self.check(len(measures) == 1 and measures[0][0] == "axial" and abs(measures[0][2] - 50 / per_mm) < 0.01, f"a drag measures {50 / per_mm} mm: {measures}")
+        self.check(self.at() == at, "and does not scroll")
+        drawn = self.pixels("axial")
+        self.b.drag(x, y, x, y - 75, button=2)
+        zoom = self.b.js("const p = trephine.planes.find(p => p.id === 'axial'); return [p.zoom, (p.place(1, 0)[0] - p.place(0, 0)[0])]")
+        self.check(abs(zoom[0] - math.exp(0.5)) < 1e-6 and abs(zoom[1] / per_mm - zoom[0]) < 1e-3, f"a right drag zooms: {zoom}")
+        if not self.b.js("return document.getElementById('level').disabled"):
+            self.set("right-drag", "window")
+            self.b.drag(x, y, x + 10, y - 20, button=2)
+            self.check(self.b.js("return [+document.getElementById('level').value, +document.getElementById('width').value]") == [60, 420], "or sets the window")
+            self.set("right-drag", "zoom"), self.set("window", "40,400")
+        self.set("measure", None), self.set("clear", None)
+        self.check(differ(drawn, self.pixels("axial")) > 10 and self.b.js("return trephine.state.measures.length + trephine.planes[2].zoom") == 1, "clear takes both back")
+        if not self.b.js("return document.getElementById('show-felt').disabled"):
+            self.set("show-felt", None), self.set("fill", "0.2")
+            faint = self.pixels("coronal")
+            self.set("fill", "1")
+            self.check(differ(faint, self.pixels("coronal")) > 10, "the felt shapes are as opaque as they are told to be")
+            self.set("show-felt", None)
+        seen = self.b.js("return trephine.page.marks.map(m => [m.label, m.colour])")
+        for l in self.manifest["landmarks"]:
+            name = l["name"].replace("_", " ") + (" ?" if l["confidence"] < 0.5 else "")
+            colour = [c for n, c in seen if n == name]
+            self.check(colour and (colour[0] == "#9aa7b5") == (l["confidence"] < 0.5), f"the mark of {l}: {seen}")
+        dist = self.cam()["dist"]
+        box = self.b.js("const r = document.getElementById('view').getBoundingClientRect(); return [r.x, r.y, r.width, r.height]")
+        x, y = int(box[0] + box[2] / 2), int(box[1] + box[3] / 2)
+        self.b.drag(x, y, x, y - 30, button=2)
+        self.check(self.cam()["dist"] < 0.9 * dist, "a right drag zooms the surfaces")
+        self.b.js("document.querySelector('#views button[data-view=home]').click()")
+        self.b.act({"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"}, "actions": [{"type": "pointerMove", "x": x, "y": y}]})
+        self.b.key("p")
+        self.check(abs(self.cam()["az"] - math.pi) < 1e-6, "keys go to what lies under the mouse, without a click")
+        self.b.key("0")
 
     def at(self):
         return self.b.js("return trephine.at")
@@ -345,6 +391,7 @@ def main():
             page.tables()
             page.controls()
             page.camera()
+            page.looking()
             page.cross_hair()
             page.left_is_left()
             page.cuts()

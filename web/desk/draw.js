@@ -157,7 +157,7 @@ function drawMarks(page, p, c) {
     c.fill()
     c.globalAlpha = 1
     // Labels of neighbours stand below each other.
-    const text = label(m.name),
+    const text = label(m.name) + (m.unsure ? ' ?' : ''),
       x = p.X(at[p.u]) + 7 * p.r,
       wide = c.measureText(text).width,
       high = 14 * p.r
@@ -179,17 +179,22 @@ function drawMeasure(page, p, c, m) {
   inked(c, digits(m.mm, 1) + ' mm', x1 + 6 * p.r, y1 - 6 * p.r, c.strokeStyle, p.r)
 }
 
+// What is less sure than one in two is no colour that says "here it is", and its name asks.
+function foundMark({ name, position_mm, confidence }, colour) {
+  const unsure = confidence < 0.5
+  return { name, position_mm, unsure, colour: unsure ? '#9aa7b5' : colour }
+}
+
 function allMarks(page) {
   const marks = []
   const built = page.info && page.info.built,
     now = page.info && page.info.now
   const given = now ? now.landmarks : {}
   for (const l of page.foundMarks())
-    if (!given[l.name]) marks.push({ name: l.name, position_mm: l.position_mm, colour: '#ffd84a' })
+    if (!given[l.name]) marks.push(foundMark(l, '#ffd84a'))
   for (const [name, position_mm] of Object.entries(given)) marks.push({ name, position_mm, colour: '#ff9c3c' })
   for (const target of built ? built.targets : [])
-    if (!given[target.name] && !marks.some(m => m.name === target.name))
-      marks.push({ name: target.name, position_mm: target.position_mm, colour: '#7cf0a0' })
+    if (!given[target.name] && !marks.some(m => m.name === target.name)) marks.push(foundMark(target, '#7cf0a0'))
   for (const h of built ? built.holes : []) marks.push({ name: h.name, position_mm: h.position_mm, colour: '#ff6a5c' })
   return marks.concat(page.more ? page.more() : [])
 }

@@ -3,6 +3,10 @@ function handsOf(page, canvases, step) {
   for (const id of Object.keys(canvases)) handOn(page, canvases[id], id, step)
 }
 
+const zoomWithin = zoom => Math.max(0.5, Math.min(30, zoom))
+// Up enlarges, as in 3D Slicer and ITK-SNAP; whoever is used to it sets the window so.
+const rightDrag = () => (kept('right-drag') === 'window' ? 'window' : 'zoom')
+
 function planeOf(hand) {
   const { page, id } = hand
   return page.volume && page.volume.planes.find(p => p.id === id)
@@ -21,7 +25,7 @@ function pinchTo(hand, p) {
   const now = pinchOf(hand),
     was = hand.pinched
   if (Math.abs(now.wide - was.wide) > 3) {
-    p.zoom = Math.max(0.5, Math.min(30, (p.zoom * now.wide) / Math.max(1, was.wide)))
+    p.zoom = zoomWithin((p.zoom * now.wide) / Math.max(1, was.wide))
     was.wide = now.wide
   }
   was.way += now.y - was.y
@@ -100,7 +104,8 @@ function handOn(page, canvas, id, step) {
       y: e.clientY,
       window: { ...page.window },
       pan: [p.panX, p.panY],
-      how: e.button === 2 ? 'window' : e.button === 1 || e.shiftKey ? 'pan' : 'tool'
+      zoom: p.zoom,
+      how: e.button === 2 ? rightDrag() : e.button === 1 || e.shiftKey ? 'pan' : 'tool'
     }
     if (hand.drag.how === 'tool')
       doing(() => {
@@ -125,13 +130,21 @@ function handOn(page, canvas, id, step) {
         hand.drag.window.level + (e.clientY - hand.drag.y) * 2,
         hand.drag.window.width + (e.clientX - hand.drag.x) * 2
       )
-    else if (hand.drag.how === 'pan') {
+    else if (hand.drag.how === 'zoom') {
+      p.zoom = zoomWithin(hand.drag.zoom * Math.exp((hand.drag.y - e.clientY) / 150))
+      page.redraw()
+    } else if (hand.drag.how === 'pan') {
       p.panX = hand.drag.pan[0] + e.clientX - hand.drag.x
       p.panY = hand.drag.pan[1] + e.clientY - hand.drag.y
       page.redraw()
     } else if (page.tools[page.tool].move)
       for (const one of e.getCoalescedEvents ? [...e.getCoalescedEvents(), e] : [e])
         page.tools[page.tool].move(p, pointOf(hand, p, one), one)
+  })
+  // Keys go to the plane under the mouse, unless something is typed or chosen elsewhere.
+  canvas.addEventListener('pointerenter', e => {
+    if (e.pointerType === 'mouse' && !document.activeElement.matches('input, textarea, select'))
+      canvas.focus({ preventScroll: true })
   })
   canvas.addEventListener('pointerup', e => endDrag(hand, e))
   canvas.addEventListener('pointercancel', e => endDrag(hand, e))
@@ -143,7 +156,7 @@ function handOn(page, canvas, id, step) {
       e.preventDefault()
       if (!p) return
       if (!e.ctrlKey) return step(p, e.deltaY > 0 ? -1 : 1) // forward as Page Up
-      p.zoom = Math.max(0.5, Math.min(30, p.zoom * (e.deltaY > 0 ? 1 / 1.15 : 1.15)))
+      p.zoom = zoomWithin(p.zoom * (e.deltaY > 0 ? 1 / 1.15 : 1.15))
       page.redraw()
     },
     { passive: false }
@@ -165,10 +178,10 @@ function handOn(page, canvas, id, step) {
       ArrowUp: () => move(p.v, p.flipV, -s),
       ArrowDown: () => move(p.v, p.flipV, s),
       '+': () => {
-        p.zoom *= 1.15
+        p.zoom = zoomWithin(p.zoom * 1.15)
       },
       '-': () => {
-        p.zoom = Math.max(0.5, p.zoom / 1.15)
+        p.zoom = zoomWithin(p.zoom / 1.15)
       },
       0: () => {
         p.zoom = 1

@@ -118,6 +118,16 @@ function lookPanel(page) {
           page.redraw()
         })
       ),
+      inRow(
+        field(
+          'right_drag',
+          make(
+            'select',
+            { id: 'right-drag', change: e => keep('right-drag', e.target.value) },
+            ['zoom', 'window'].map(how => make('option', { value: how, text: t('drag_' + how), selected: how === rightDrag() }))
+          )
+        )
+      ),
       heading('outlines'),
       outlines.length ? outlines : para('faint', t('no_field')),
       info.built

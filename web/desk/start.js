@@ -2,7 +2,7 @@
 addEventListener('DOMContentLoaded', () => {
   const root = document.documentElement
   desk.language = kept('language') === 'de' || (!kept('language') && navigator.language.startsWith('de')) ? 'de' : 'en'
-  root.classList.toggle('light', kept('theme') === 'light')
+  root.classList.toggle('light', kept('theme') ? kept('theme') === 'light' : matchMedia('(prefers-color-scheme: light)').matches)
   root.classList.toggle('large', kept('letters') === 'large')
   $('who').value = isToken(kept('who')) ? kept('who') : ''
   $('who').addEventListener('input', judgeWho)

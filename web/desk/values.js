@@ -160,7 +160,7 @@ function valueLine(page, v) {
   return make(
     'tr',
     {},
-    make('td', { class: 'path' }, v.path, make('br'), faint(`${t('source')} ${v.source}`)),
+    make('td', { class: 'path' }, v.path.slice(groupOf(v.path).length + 1), make('br'), faint(`${t('source')} ${v.source}`)),
     make(
       'td',
       {},
@@ -189,8 +189,35 @@ function valueLine(page, v) {
             })
           : null
       )
-    )
+    ),
+    make('td', { class: 'faint', text: v.about })
   )
+}
+
+// A stage of an anatomy, such as skull.decimate, with all of its parameters; their lines are made when it is opened.
+const groupOf = path => path.slice(0, Math.max(0, path.lastIndexOf('.')))
+
+function valueGroup(page, group, values, open) {
+  const box = make('details', { 'data-group': group, open }, make('summary', { text: `${label(group)} (${values.length})` }))
+  const fill = () => {
+    if (box.open && box.children.length === 1)
+      box.append(
+        table(
+          [
+            [t('value_name'), 0],
+            [t('value'), 0],
+            [t('about'), 0]
+          ],
+          values.map(v => valueLine(page, v))
+        )
+      )
+  }
+  box.addEventListener('toggle', () => {
+    page.trial.open[box.open ? 'add' : 'delete'](group)
+    fill()
+  })
+  fill()
+  return box
 }
 
 function valueControls(page) {
@@ -203,17 +230,17 @@ function valueControls(page) {
         .toLowerCase()
         .split(/\s+/)
         .filter(x => x),
-      all = now.values.filter(v => parts.every(p => v.path.toLowerCase().includes(p))),
-      fit = all.slice(0, 120)
+      fits = text => parts.every(p => text.toLowerCase().includes(p)),
+      groups = new Map()
+    for (const v of now.values)
+      if (fits(`${v.path} ${v.about}`)) {
+        const group = groupOf(v.path)
+        groups.set(group, [...(groups.get(group) || []), v])
+      }
     rows.replaceChildren(
-      table(
-        [
-          [t('value_name'), 0],
-          [t('value'), 0]
-        ],
-        fit.map(v => valueLine(page, v))
-      ),
-      ...(all.length > fit.length ? [para('faint', `${fit.length} ${t('of')} ${all.length}: ${t('narrow')}`)] : [])
+      ...[...groups].map(([group, values], i) =>
+        valueGroup(page, group, values, parts.length ? i < 8 : trial.open.has(group))
+      )
     )
   }
   list()
@@ -280,7 +307,8 @@ function historyControls(page) {
 }
 
 function valuesPanel(page) {
-  page.trial = { find: '', live: true, tried: { path: '', text: '', kind: 'faint', rows: [] }, later: 0, number: 0 }
+  const tried = { path: '', text: '', kind: 'faint', rows: [] }
+  page.trial = { find: '', open: new Set(), live: true, tried, later: 0, number: 0 }
   // The run's own computation with that value, up to the field of the anatomy; nothing is saved.
   page.tryIt = (wish, told) => tryWish(page, wish, told)
   page.findValue = text => findValue(page, text)
