@@ -22,7 +22,8 @@ add_test(NAME house.no_parsing COMMAND python3 ${house}/no_parsing.py ${PROJECT_
 add_test(NAME house.no_parsing_selftest COMMAND python3 ${house}/no_parsing.py --selftest)
 add_test(NAME house.spdx COMMAND bash ${house}/spdx.sh ${PROJECT_SOURCE_DIR})
 add_test(NAME house.format COMMAND bash ${house}/format.sh ${PROJECT_SOURCE_DIR})
-set_tests_properties(house.format PROPERTIES SKIP_RETURN_CODE 77)
+add_test(NAME house.source_archive COMMAND bash ${house}/source_archive.sh ${PROJECT_SOURCE_DIR})
+set_tests_properties(house.format house.source_archive PROPERTIES SKIP_RETURN_CODE 77)
 # What the build makes of the programs' declarations (cmake/reference.cmake).
 set(reference ${PROJECT_BINARY_DIR}/docs/reference)
 add_test(NAME house.bibliography COMMAND python3 ${house}/bibliography.py ${PROJECT_SOURCE_DIR})
