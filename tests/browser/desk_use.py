@@ -84,6 +84,8 @@ def main():
         folder = pathlib.Path(folder)
         root, library = make_root(folder, ("skull_drilled", FULL)), folder / "library"
         (root / "configs/scenes/skull_drilled.yaml").write_text(SCENE)
+        with open(root / "configs/coarse.yaml", "a") as config:
+            config.write("burr_holes: []  # a hand places them\n")
         run("phantom", folder / "phantom", "--columns-count", size, "--rows-count", size, "--slices-count", count, "--slice-step-mm", 200 / count, "--quiet")
         (folder / "phantom/dicom").rename(root / "big")
         listed = root / "configs/LIBRARY.yaml"
