@@ -8,7 +8,7 @@ cd "$work"
 scan=(--level hard --columns-count 224 --rows-count 224 --field-of-view-mm 224 --noise-hu 8 --subvoxel-mm 1.2 --mesh-step-mm 0
   --no-labels --quiet)
 "$TREPHINE" phantom before --seed 3 "${scan[@]}" --slices-count 94 --slice-step-mm 1.8 --slice-thickness-mm 1.8
-"$TREPHINE" run "$SOURCE/configs/ct_head.yaml" --series before/dicom --out library --case head --no-page --quiet \
+"$TREPHINE" run "$SOURCE/configs/ct_head.yaml" --series before/dicom --out library --case head --no-page --quiet --set "resample.spacing_mm=[1.8,1.8,1.8]" \
   2>warnings || fail "the case: $(cat warnings)"
 "$TREPHINE" rubric "$SOURCE/configs/rubrics/ventriculostomy.yaml" --output rubric.json --quiet
 after() { # FOLDER SEED MORE...: a scan of another day, on another table, of the upper head
