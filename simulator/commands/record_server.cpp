@@ -88,10 +88,7 @@ ExitCode run_record_server(const cli::ParsedCommand& parsed) {
   o.tools = type.tools();
   o.lesson = p.module;
   o.participant = p.participant;
-  const std::vector<lessons::LessonTask> offered = lessons::offered_tasks(type, manifest);
-  o.task = !p.task.empty()   ? lessons::task_of(type, manifest, p.task).name
-           : offered.empty() ? ""
-                             : offered.front().name;
+  o.task = lessons::task_or_usual(type, manifest, p.task).name;
   o.rubric_sha256 = rubric.sha256;
   if (p.questions)
     o.asked = lessons::as_asked(lessons::questions_for(*rubric.common, type, manifest, o.task, p.participant));

@@ -47,11 +47,7 @@ bool is_for_tool(const LessonGuide& step, const std::string& tool) {
 LessonBriefing briefing_of(const LessonType& type, const cases::LoadedCase& loaded, const std::string& task) {
   type.require(loaded.manifest);
   LessonBriefing out;
-  const std::vector<LessonTask> all = offered_tasks(type, loaded.manifest);
-  if (!task.empty())
-    out.task = task_of(type, loaded.manifest, task);
-  else if (!all.empty())
-    out.task = all.front();
+  out.task = task_or_usual(type, loaded.manifest, task);
   out.steps = guide_of(type, type.begin(loaded.manifest, loaded.haptic, loaded.haptic)->facts());
   return out;
 }

@@ -31,12 +31,8 @@ haptics::RecordingHeader header_of(const session::FeltCase& felt, const LessonOp
   h.law = o.law;
   session::set_lesson(h, lesson_type(o.script.module).tools(), o.script.module, o.participant,
                       felt.loaded.manifest.haptic);
-  h.task = o.task.empty() ? o.script.task : o.task;
-  const LessonType& type = lesson_type(o.script.module);
-  if (!h.task.empty())
-    task_of(type, felt.loaded.manifest, h.task);
-  else if (const std::vector<LessonTask> all = offered_tasks(type, felt.loaded.manifest); !all.empty())
-    h.task = all.front().name;
+  h.task =
+      task_or_usual(lesson_type(o.script.module), felt.loaded.manifest, o.task.empty() ? o.script.task : o.task).name;
   if (o.script.answers() && !o.rubric)
     throw Error(ExitCode::usage, "", "--rubric", "is needed where the script answers questions: it has them");
   if (o.rubric) {

@@ -41,6 +41,12 @@ std::vector<LessonTask> offered_tasks(const LessonType& type, const cases::CaseM
   return all;
 }
 
+LessonTask task_or_usual(const LessonType& type, const cases::CaseManifest& manifest, const std::string& name) {
+  if (!name.empty()) return task_of(type, manifest, name);
+  const std::vector<LessonTask> all = offered_tasks(type, manifest);
+  return all.empty() ? LessonTask{} : all.front();
+}
+
 std::string class_fault(const LessonType& type, const std::string& patient_class) {
   const std::vector<std::string>& known = type.classes;
   if (known.empty()) return "";

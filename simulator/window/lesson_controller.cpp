@@ -59,11 +59,7 @@ LessonController::LessonController(const LessonPlay& play, const session::Patien
     module_.require(loaded.manifest);
     if (module_.needs_pictures) fluoro::require_ct(loaded.ct);
     lesson_ = module_.begin(loaded.manifest, before_, loaded.haptic);
-    const std::vector<lessons::LessonTask> all = lessons::offered_tasks(module_, loaded.manifest);
-    if (!play.task.empty())
-      task_ = lessons::task_of(module_, loaded.manifest, play.task);
-    else if (!all.empty())
-      task_ = all.front();
+    task_ = lessons::task_or_usual(module_, loaded.manifest, play.task);
     lesson_->set_task(task_.name);
   });
   std::vector<lessons::OfferedQuestion> asked;
