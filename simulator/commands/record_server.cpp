@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/log.h"
 #include "base/progress.h"
 #include "base/refusal.h"
 #include "base/signature.h"
@@ -78,6 +79,11 @@ ExitCode run_record_server(const cli::ParsedCommand& parsed) {
   const cases::CaseManifest& manifest = patient->felt.loaded.manifest;
   const lessons::LessonType& type = lessons::lesson_type(p.module);
   with_file((parsed.path("case") / "case.json").string(), [&] { type.require(manifest); });
+  if (const auto approval = lesson::read_approval(parsed.path("case"));
+      !approval || approval->case_sha256 != patient->felt.case_sha256)
+    log_warning(parsed.text("case") +
+                ": is not approved, so that a signature of the lesson says nothing of the case: look at it, and run "
+                "`trephine library approve`");
   session::SessionOptions o;
   o.case_folder = parsed.path("case");
   o.device.name = "udp";

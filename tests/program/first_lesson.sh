@@ -24,6 +24,7 @@ expect 73 'none.html: is there already' "${server[@]}" "${key[@]}" --record "$wo
 "${server[@]}" "${key[@]}" --record "$work/seen.lesson" >"$work/server" 2>&1 &
 feeder=$!
 for try in {1..600}; do port=$([[ ! -e $work/server ]] || sed -nE 's/.*127\.0\.0\.1:([0-9]+).*/\1/p' "$work/server"); [[ -n $port ]] && break; sleep 0.1; done
+grep -q 'head_drilled: is not approved' "$work/server" || { cat "$work/server"; fail "the server does not say that nobody approved the case"; }
 [[ -n $port ]] || { cat "$work/server"; fail "the server does not say where it is"; }
 
 expect 74 'the record server .* is for another participant, task, case or rubric' "$TREPHINE" play "$work/head_drilled" --lesson ventriculostomy \
