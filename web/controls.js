@@ -328,6 +328,16 @@ function listenToPanel(viewer) {
       reslice(viewer)
     })
   listenToTheme(() => redraw(viewer))
+  const casts = viewer.data.transfers || {},
+    setCast = () => {
+      viewer.cast = casts[$('cast').value] ? { points: casts[$('cast').value], shift: +$('shift').value } : null
+      redraw(viewer)
+    }
+  for (const name of Object.keys(casts)) $('cast').append(make('option', '', name))
+  for (const id of ['cast', 'shift']) {
+    $(id).disabled = !page.ct || viewer.painter.kind !== 'webgl2'
+    listen(id, 'input', setCast)
+  }
   listen('fill', 'input', e => {
     fillFelt(viewer, +e.target.value)
     reslice(viewer)

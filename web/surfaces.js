@@ -23,13 +23,13 @@ function makeCamera(centre, radius) {
     const eye = centre.map((c, k) => c - right[k] * cam.pan[0] - up[k] * cam.pan[1] + toward[k] * cam.dist)
     return { right, up, forward, eye }
   }
+  // From where to where is drawn along the view, and how far its edges lie off the middle at distance 1.
+  cam.reach = () => [Math.max(1, cam.dist - 3 * radius), cam.dist + 3 * radius]
+  cam.tangents = (w, h) => [w / h, h / w].map(share => Math.tan(halfField) * Math.max(1, share))
   cam.matrix = (w, h) => {
     const { right, up, forward, eye } = cam.basis(),
-      near = Math.max(1, cam.dist - 3 * radius),
-      far = cam.dist + 3 * radius
-    const g = 1 / Math.tan(halfField),
-      sx = g * Math.min(1, h / w),
-      sy = g * Math.min(1, w / h)
+      [near, far] = cam.reach(),
+      [sx, sy] = cam.tangents(w, h).map(t => 1 / t)
     const shift = v => -(v[0] * eye[0] + v[1] * eye[1] + v[2] * eye[2]),
       a = (far + near) / (near - far),
       b = (2 * far * near) / (near - far)
@@ -57,9 +57,9 @@ function makeCamera(centre, radius) {
   // The ray through a place of the view: from the eye, in a direction of length 1.
   cam.ray = (x, y, w, h) => {
     const { right, up, forward, eye } = cam.basis(),
-      t = Math.tan(halfField)
-    const u = ((2 * x) / w - 1) * t * Math.max(1, w / h),
-      v = (1 - (2 * y) / h) * t * Math.max(1, h / w)
+      [tx, ty] = cam.tangents(w, h)
+    const u = ((2 * x) / w - 1) * tx,
+      v = (1 - (2 * y) / h) * ty
     const d = forward.map((f, k) => f + u * right[k] + v * up[k]),
       l = Math.hypot(...d)
     return { eye, d: d.map(x => x / l) }
@@ -140,24 +140,28 @@ if(h>0.){float t=clamp(V/h,-1.,1.);k=V>1e8?vec3(.5):t>0.?mix(vec3(.93),vec3(.75,
 if(f<0.){k*=.62;f=-f;}
 o=vec4(k*(.28+.72*f)+.12*pow(f,24.),c.a);}`
 
-function glPainter(canvas, meshes) {
+function programOf(gl, ...texts) {
+  const program = gl.createProgram()
+  texts.forEach((text, n) => {
+    const shader = gl.createShader(n ? gl.FRAGMENT_SHADER : gl.VERTEX_SHADER)
+    gl.shaderSource(shader, text)
+    gl.compileShader(shader)
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost()) throw Error(gl.getShaderInfoLog(shader))
+    gl.attachShader(program, shader)
+  })
+  ;['p', 'n', 'd'].forEach((name, i) => gl.bindAttribLocation(program, i, name))
+  gl.linkProgram(program)
+  return program
+}
+
+// `volume` and `hu` of its levels, where there is a CT: then draw() takes a `cast` of it, and says whether that is coarse.
+function glPainter(canvas, meshes, volume, hu) {
   const gl = canvas.getContext('webgl2', { antialias: true, alpha: false })
   if (!gl) return null
-  let program, at
+  let program, at, cast
   const upload = () => {
-    program = gl.createProgram()
-    for (const [type, text] of [
-      [gl.VERTEX_SHADER, vertexShader],
-      [gl.FRAGMENT_SHADER, fragmentShader]
-    ]) {
-      const shader = gl.createShader(type)
-      gl.shaderSource(shader, text)
-      gl.compileShader(shader)
-      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost()) throw Error(gl.getShaderInfoLog(shader))
-      gl.attachShader(program, shader)
-    }
-    ;['p', 'n', 'd'].forEach((name, i) => gl.bindAttribLocation(program, i, name))
-    gl.linkProgram(program)
+    cast = null
+    program = programOf(gl, vertexShader, fragmentShader)
     at = {}
     for (const name of ['m', 'c', 'q', 'e', 'h']) at[name] = gl.getUniformLocation(program, name)
     for (const m of meshes) {
@@ -175,16 +179,12 @@ function glPainter(canvas, meshes) {
     }
     gl.bindVertexArray(null)
   }
-  const draw = ({ cam, clip, heat, scale, ground }) => {
-    if (gl.isContextLost()) return
-    gl.viewport(0, 0, canvas.width, canvas.height)
-    gl.clearColor(...ground, 1)
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT)
+  const surfaces = ({ cam, clip, heat, scale }, drawn) => {
     gl.enable(gl.DEPTH_TEST)
     gl.useProgram(program)
     gl.uniformMatrix4fv(at.m, false, cam.matrix(canvas.width, canvas.height))
     gl.uniform3fv(at.e, cam.basis().eye)
-    for (const m of drawOrder(meshes)) {
+    for (const m of drawn) {
       const go = () => gl.drawElements(gl.TRIANGLES, m.idx.length, gl.UNSIGNED_INT, 0)
       gl.bindVertexArray(m.array)
       gl.uniform4fv(at.q, clipPlane(clip, m))
@@ -203,6 +203,18 @@ function glPainter(canvas, meshes) {
       }
       go()
     }
+  }
+  const draw = how => {
+    if (gl.isContextLost()) return false
+    const all = drawOrder(meshes)
+    gl.viewport(0, 0, canvas.width, canvas.height)
+    gl.clearColor(...how.ground, 1)
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT)
+    surfaces(how, all)
+    if (!how.cast || !volume) return false
+    cast = cast || makeCast(gl, volume, hu)
+    const opaque = all.filter(m => m.opacity >= 0.99)
+    return cast.draw(how, canvas, () => surfaces(how, opaque))
   }
   upload()
   return { draw, upload, kind: 'webgl2' }

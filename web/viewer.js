@@ -26,7 +26,8 @@ function setWindow(viewer, level, width) {
   $('width').value = Math.round(window_.width)
 }
 
-function drawView(viewer) {
+// What is `whole` is as fine as it can be, however long that takes; else the rays through the CT become so when all is at rest.
+function drawView(viewer, whole = false) {
   const { times, cam, clip, view, solid, over, root, painter } = viewer
   const r = Math.min(2, devicePixelRatio || 1),
     w = Math.max(1, (view.clientWidth * r) | 0),
@@ -38,7 +39,10 @@ function drawView(viewer) {
       c.height = h
     }
   const ground = root.classList.contains('light') ? [0.95, 0.96, 0.97] : [0.1, 0.11, 0.13]
-  painter.draw({ cam, clip, heat: viewer.heat, scale: viewer.scale, ground, moving: viewer.moving })
+  const { heat, scale, moving, cast } = viewer
+  clearTimeout(viewer.later)
+  if (painter.draw({ cam, clip, heat, scale, ground, moving, cast, whole }))
+    viewer.later = setTimeout(() => drawView(viewer, !viewer.moving), 300)
   times.frame = performance.now() - t
   drawMarks(viewer, over.getContext('2d'), w, h, r)
 }
@@ -226,12 +230,12 @@ function fillFelt(viewer, opacity) {
 }
 
 function openView(viewer) {
-  const { meshes } = viewer
+  const { meshes, page, hu } = viewer
   const view = $('view'),
     solid = $('solid'),
     over = $('over'),
     root = document.documentElement
-  const wanted = location.hash === '#processor' ? null : glPainter(solid, meshes),
+  const wanted = location.hash === '#processor' ? null : glPainter(solid, meshes, page.ct, hu),
     painter = wanted || softPainter(solid, meshes)
   Object.assign(viewer, { view, solid, over, root, painter })
   if (!wanted) $('mode').textContent = (location.hash === '#processor' ? '' : 'no WebGL2 here: ') + 'drawn by the processor'
@@ -251,6 +255,7 @@ async function start() {
     clip: { axis: -1, mm: 0, keep: 1 },
     window_: { level: 40, width: 400 },
     heat: null,
+    cast: null,
     scale: 1,
     moving: false,
     due: 0,
@@ -290,12 +295,13 @@ async function start() {
     state,
     times,
     planes,
-    render: () => drawView(viewer),
+    render: () => drawView(viewer, true),
     slices: () => drawSlices(viewer),
     go: p => goTo(viewer, p),
     pick,
     cutSurface,
-    kind: painter.kind
+    kind: painter.kind,
+    viewer
   }
   root.dataset.ready = '1'
 }

@@ -11,6 +11,7 @@
 #include "page/html.h"
 #include "page/pack.h"
 #include "page/web_files.h"
+#include "voxel/transfer.h"
 
 namespace trephine::page {
 namespace {
@@ -129,6 +130,9 @@ class PageMaker {
     json_["ct"]["predicted"] = true;
     json_["ct"]["of_spacing_mm"] = to_list(volume.spacing_mm);
     json_["ct"]["levels"] = page_hu_levels;
+    for (const std::string& name : voxel::preset_names())
+      for (const voxel::TransferPoint& p : voxel::preset_points(name))
+        json_["transfers"][name].push_back({p.hu, p.opacity, p.colour_rgb[0], p.colour_rgb[1], p.colour_rgb[2]});
   }
 
   void add_volumes() {

@@ -137,7 +137,7 @@ std::uint8_t Head::label(Vec3 lps) const {
   const auto base = model_->base(point<double>(lps), true);
   const bool hard = model_->hard.on;
   if (model_->skin(base) >= 0) return hard && apparatus_at(*model_, lps, 1e-6).thing != Thing::none ? 7 : 0;
-  if (model_->skull(base) < 0) return 2;
+  if (skull_of(*model_, base) < 0) return 2;
   if (hard && model_->vertebrae(base) < 0) return 6;
   if (base.cavity >= 0) return 1;
   if (model_->ventricles(base.p) < 0) return 4;

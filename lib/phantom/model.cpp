@@ -26,6 +26,26 @@ std::vector<Model::Ball> mastoid_cells(std::uint64_t seed) {
   return cells;
 }
 
+/// What ventricles() and passages() are worth at least.
+void bound_shapes(Model& m) {
+  const auto add = [&](const Model::Node& n) {  // and its mirror image
+    for (const double side : {-1.0, 1.0})
+      m.ventricles_within.add({side * n.at.x, n.at.y, n.at.z}, {n.radius, n.radius, n.radius});
+  };
+  for (const Model::Node& n : m.lateral) add(n);
+  for (const Model::Node& n : m.temporal_horn) add(n);
+  add(m.monro_top);
+  add(m.monro_bottom);
+  m.ventricles_within.add(m.third_centre, m.third_radii);
+  m.ventricles_within.ratio = 0.75;
+  m.ventricles_within.slack_mm = 0.5 * double(m.lateral.size() + m.temporal_horn.size());
+  m.passages_within.add(m.passages_start, {1.1, 1.1, 1.1});
+  m.passages_within.add({0, 31, 4}, {7.5, 5, 11});
+  m.passages_within.add({0, 45, -11}, {1.2, 1.2, 1.2});
+  m.passages_within.ratio = 0.7;
+  m.passages_within.slack_mm = 1;
+}
+
 }  // namespace
 
 Model::Model(const HeadParams& params) : clinical(params.level != Level::simple) {
@@ -81,31 +101,11 @@ Model::Model(const HeadParams& params) : clinical(params.level != Level::simple)
   thalamus_centre = {third_radii.x + 8.5, 4, third_centre.z + 1};
   monro_top = {{lateral[2].at.x - 0.25 * lateral[2].radius, -13.5, 61 - 0.72 * 5.0 * r}, monro_radius};
   monro_bottom = {{0.4, -11, third_centre.z + 5.5}, monro_radius};
-  bound_shapes();
+  passages_start = {0, third_centre.y + third_radii.y - 3.5, third_centre.z - 3};
+  bound_shapes(*this);
   if (params.level == Level::hard) make_hard(params);
   for (const Vec3& f : fillings) metal_world.push_back(to_world(f));
   for (const Ball& b : hard.metal) metal_world.push_back(to_world(b.centre));
-}
-
-void Model::bound_shapes() {
-  ventricles_within = {};
-  const auto add = [&](const Node& n) {  // and its mirror image
-    for (const double side : {-1.0, 1.0})
-      ventricles_within.add({side * n.at.x, n.at.y, n.at.z}, {n.radius, n.radius, n.radius});
-  };
-  for (const Node& n : lateral) add(n);
-  for (const Node& n : temporal_horn) add(n);
-  add(monro_top);
-  add(monro_bottom);
-  ventricles_within.add(third_centre, third_radii);
-  ventricles_within.ratio = 0.75;
-  ventricles_within.slack_mm = 0.5 * double(lateral.size() + temporal_horn.size());
-  passages_within = {};
-  passages_within.add(passages_start(), {1.1, 1.1, 1.1});
-  passages_within.add({0, 31, 4}, {7.5, 5, 11});
-  passages_within.add({0, 45, -11}, {1.2, 1.2, 1.2});
-  passages_within.ratio = 0.7;
-  passages_within.slack_mm = 1;
 }
 
 Vec3 Model::to_world(Vec3 model) const {

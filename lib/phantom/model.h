@@ -41,6 +41,7 @@ struct Model {
   std::vector<Node> lateral, temporal_horn;
   Node monro_top, monro_bottom;
   Vec3 third_centre, third_radii, thalamus_centre;
+  Vec3 passages_start;                             ///< where the aqueduct begins
   ShapeBounds ventricles_within, passages_within;  ///< of what ventricles() and passages() join, after shifted()
 
   struct Tube {
@@ -78,7 +79,6 @@ struct Model {
     double catheter_hu = 330;  ///< of its wall
     double couch_mm = 0;       ///< y of the couch's plate, behind the head
   } hard;
-  void bound_shapes();
   void make_hard(const HeadParams& params);  ///< after everything else is drawn
   std::vector<ImplantTruth> implants;
   /// Holes, catheters, air and staples; `landmarks` are those of the head without them.
@@ -114,9 +114,7 @@ struct Model {
   template <class S>
   S skin(const Base<S>& b) const;
   template <class S>
-  S skull(const Base<S>& b) const;
-  template <class S>
-  S skull(const Base<S>& b, const S& orbit, const S& nasal) const;  ///< with what orbit(b) and nasal(b) give
+  S skull(const Base<S>& b, const S& orbit, const S& nasal) const;  ///< orbit(b) and nasal(b), as skull_of() gives them
   template <class S>
   S brain(const Base<S>& b) const;  ///< with the cord, unclipped
   template <class S>
@@ -127,7 +125,6 @@ struct Model {
   S ventricles(const Point<S>& p) const;
   template <class S>
   S passages(const Point<S>& p) const;  ///< aqueduct, fourth ventricle, Magendie
-  Vec3 passages_start() const { return {0, third_centre.y + third_radii.y - 3.5, third_centre.z - 3}; }
   template <class S>
   Point<S> shifted(const Point<S>& p) const;
 
@@ -159,5 +156,10 @@ template <class S>
 S orbit(const Model::Base<S>& b);
 template <class S>
 S nasal(const Model::Base<S>& b);
+template <class S>
+S skull_of(const Model& model, const Model::Base<S>& b) {
+  // Deep in the cavity neither has a part.
+  return value(b.cavity) < -8 ? model.skull(b, S(0.0), S(0.0)) : model.skull(b, orbit(b), nasal(b));
+}
 
 }  // namespace trephine::phantom

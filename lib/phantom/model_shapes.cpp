@@ -123,11 +123,6 @@ S nasal(const Model::Base<S>& b) {
 }
 
 template <class S>
-S Model::skull(const Base<S>& b) const {
-  return value(b.cavity) < -8 ? skull(b, S(0.0), S(0.0)) : skull(b, orbit(b), nasal(b));  // which have no part there
-}
-
-template <class S>
 S Model::skull(const Base<S>& b, const S& orbit, const S& nasal) const {
   S f = smooth_intersection(b.hull, -b.cavity, 1.5);
   if (value(b.cavity) < -8) return f;
@@ -236,7 +231,7 @@ S Model::ventricles(const Point<S>& model) const {
 template <class S>
 S Model::passages(const Point<S>& model) const {
   const Point<S> p = shifted(model);
-  S f = capsule(p, passages_start(), {0, 29, 9}, 1.0, 1.1);                      // aqueduct
+  S f = capsule(p, passages_start, {0, 29, 9}, 1.0, 1.1);                        // aqueduct
   f = smooth_union(f, ellipsoid(p, {0, 31, 4}, {7.5, 5, 11}), 2);                // fourth
   return smooth_union(f, capsule(p, {0, 33, -4}, {0, 45, -11}, 1.2, 1.2), 1.5);  // Magendie, to the cisterna magna
 }
@@ -245,7 +240,7 @@ template <class S>
 S Model::solid(Anatomy anatomy, const Point<S>& p) const {
   if (anatomy == Anatomy::ventricles) return ventricles(to_model(p));
   const Base<S> b = base(p, anatomy != Anatomy::brain);
-  return anatomy == Anatomy::skin ? skin(b) : anatomy == Anatomy::skull ? skull(b) : brain_clipped(b);
+  return anatomy == Anatomy::skin ? skin(b) : anatomy == Anatomy::skull ? skull_of(*this, b) : brain_clipped(b);
 }
 
 #define TREPHINE_INSTANTIATE(S)                                             \
@@ -254,7 +249,6 @@ S Model::solid(Anatomy anatomy, const Point<S>& p) const {
   template S orbit(const Model::Base<S>&);                                  \
   template S nasal(const Model::Base<S>&);                                  \
   template S Model::skin(const Model::Base<S>&) const;                      \
-  template S Model::skull(const Model::Base<S>&) const;                     \
   template S Model::skull(const Model::Base<S>&, const S&, const S&) const; \
   template S Model::teeth(const Point<S>&) const;                           \
   template S Model::brain(const Model::Base<S>&) const;                     \

@@ -31,7 +31,7 @@ bool is_touched(const TransferFunction& f, int hu) {
   return at_hu(f, hu).opacity >= f.touched_from_opacity - same_opacity;
 }
 
-std::string preset_names() {
+std::string listed_presets() {
   std::string names;
   for (const auto& p : presets()) names += (names.empty() ? "" : ", ") + p.first;
   return names;
@@ -39,7 +39,7 @@ std::string preset_names() {
 
 std::string fault_of_points(const std::vector<TransferPoint>& points) {
   if (points.size() < 2)
-    return "points: " + std::to_string(points.size()) + ", must be 2 or more, or give a preset (" + preset_names() +
+    return "points: " + std::to_string(points.size()) + ", must be 2 or more, or give a preset (" + listed_presets() +
            ")";
   for (std::size_t n = 1; n < points.size(); ++n) {
     const std::string at = "points[" + std::to_string(n) + "].hu: " + to_text(points[n].hu);
@@ -54,6 +54,12 @@ std::string fault_of_points(const std::vector<TransferPoint>& points) {
 }
 
 }  // namespace
+
+std::vector<std::string> preset_names() {
+  std::vector<std::string> names;
+  for (const auto& p : presets()) names.push_back(p.first);
+  return names;
+}
 
 const std::vector<TransferPoint>& preset_points(std::string_view name) {
   const auto* found = find_item(presets(), std::string(name));
@@ -130,7 +136,7 @@ TransferFunction transfer_from_text(const std::string& text, const std::string& 
     at = end + 1;
     const std::size_t first = item.find(':'), second = item.find(':', first + 1);
     if (first == std::string::npos || second == std::string::npos || item.size() - second != 7)
-      refuse(item, "must be a preset (" + preset_names() + "), or points HU:OPACITY:RRGGBB with commas between them");
+      refuse(item, "must be a preset (" + listed_presets() + "), or points HU:OPACITY:RRGGBB with commas between them");
     char *hu_end = nullptr, *opacity_end = nullptr, *colour_end = nullptr;
     TransferPoint p;
     p.hu = std::strtod(item.c_str(), &hu_end);

@@ -53,6 +53,8 @@ struct TransferFunction {
   std::string fault() const;
 };
 
+/// The names of all presets.
+std::vector<std::string> preset_names();
 /// The points of a preset; there is one of that name.
 const std::vector<TransferPoint>& preset_points(std::string_view name);
 /// The same function, with the points of its preset in place of its name.

@@ -78,6 +78,70 @@ def farthest(a, b):
     return worst
 
 
+# Rays of the page cast again one by one: how far their colours are off, of 255, where either sees anything.
+REFERENCE = """
+const v = trephine.viewer, { voxels, size, spacing, origin } = trephine.page.ct, hu = v.hu, { points, shift } = v.cast
+const canvas = document.getElementById('solid'), w = canvas.width, h = canvas.height
+trephine.render()
+const flat = document.createElement('canvas'); flat.width = w; flat.height = h
+const g = flat.getContext('2d', { willReadFrequently: true }); g.drawImage(canvas, 0, 0)
+const ground = document.documentElement.classList.contains('light') ? [0.95, 0.96, 0.97] : [0.1, 0.11, 0.13]
+const clampTo = (x, n) => Math.max(0, Math.min(n - 1, x))
+const voxel = (i, j, k) => hu[voxels[clampTo(i, size[0]) + size[0] * (clampTo(j, size[1]) + size[1] * clampTo(k, size[2]))]]
+const huAt = p => {
+  const b = p.map(Math.floor), f = p.map((x, a) => x - b[a])
+  let sum = 0
+  for (let n = 0; n < 8; ++n) {
+    const o = [n & 1, (n >> 1) & 1, n >> 2]
+    sum += o.reduce((s, x, a) => s * (x ? f[a] : 1 - f[a]), 1) * voxel(b[0] + o[0], b[1] + o[1], b[2] + o[2])
+  }
+  return sum
+}
+const entry = x => {
+  x = Math.max(-1024, Math.min(3071, x)) - shift
+  if (x <= points[0][0]) return points[0].slice(1)
+  for (let n = 1; n < points.length; ++n)
+    if (x < points[n][0]) {
+      const f = (x - points[n - 1][0]) / (points[n][0] - points[n - 1][0])
+      return [1, 2, 3, 4].map(k => points[n - 1][k] + f * (points[n][k] - points[n - 1][k]))
+    }
+  return points[points.length - 1].slice(1)
+}
+const off = [], s0 = 0.5 * Math.min(...spacing)
+for (let n = 0; n < arguments[0]; ++n) {
+  const x = Math.floor(((n * 0.754877666) % 1) * w), y = Math.floor(((n * 0.569840291) % 1) * h)
+  const { eye, d } = trephine.cam.ray(x + 0.5, y + 0.5, w, h), f = trephine.cam.basis().forward
+  const along = d[0] * f[0] + d[1] * f[1] + d[2] * f[2], [near, far] = trephine.cam.reach()
+  let begin = near / along, end = far / along, light = 1, sum = [0, 0, 0]
+  const from = eye.map((e, a) => (e - origin[a]) / spacing[a]), step = d.map((e, a) => e / spacing[a])
+  for (let a = 0; a < 3; ++a) {
+    const p = (-0.5 - from[a]) / step[a], q = (size[a] - 0.5 - from[a]) / step[a]
+    begin = Math.max(begin, Math.min(p, q)); end = Math.min(end, Math.max(p, q))
+  }
+  if (trephine.clip.axis >= 0) {
+    const a = trephine.clip.axis, t = (trephine.clip.mm - eye[a]) / d[a]
+    if (trephine.clip.keep * d[a] > 0) begin = Math.max(begin, t); else end = Math.min(end, t)
+  }
+  for (let k = Math.floor(begin / s0); k * s0 < end && light > 0.005; ++k) {
+    const low = Math.max(begin, k * s0), high = Math.min(end, (k + 1) * s0)
+    if (high <= low) continue
+    const p = from.map((e, a) => e + step[a] * 0.5 * (low + high)), [opacity, ...rgb] = entry(huAt(p))
+    if (opacity <= 0) continue
+    const grad = [0, 1, 2].map(a => { const e = [0, 0, 0]; e[a] = 1
+      return (huAt(p.map((x, k) => x + e[k])) - huAt(p.map((x, k) => x - e[k]))) / (2 * spacing[a]) })
+    const steep = Math.hypot(...grad), share = Math.min(1, steep / 50), c = Math.abs(grad[0] * d[0] + grad[1] * d[1] + grad[2] * d[2]) / Math.max(1e-6, steep)
+    const alpha = 1 - Math.pow(Math.max(1e-6, 1 - opacity), high - low)
+    sum = sum.map((x, k) => x + light * alpha * (rgb[k] * (0.7 + share * (0.28 + 0.72 * c - 0.7)) + 0.12 * share * c ** 24))
+    light *= 1 - alpha
+  }
+  const shown = g.getImageData(x, y, 1, 1).data, covered = light < 0.98 || ground.some((e, k) => Math.abs(shown[k] - 255 * e) > 3)
+  if (covered) off.push(Math.max(...sum.map((e, k) => Math.abs(Math.min(255, 255 * (e + light * ground[k])) - shown[k]))))
+}
+off.sort((a, b) => a - b)
+return { covered: off.length, median: off[off.length >> 1], p95: off[Math.floor(off.length * 0.95)], most: off[off.length - 1] }
+"""
+
+
 class Page:
     def __init__(self, browser, check, case, mode):
         self.b, self.check, self.case, self.mode = browser, check, case, mode
@@ -356,6 +420,32 @@ class Page:
         self.check("the CT of the case" in self.b.js("return document.getElementById('source').textContent"), "it says where the slices come from")
         self.set("show-cuts", None), self.set("show-marks", None)
 
+    def rays(self):
+        """The CT by rays: as a plain caster in script draws it, ended by opaque surfaces and by the cut."""
+        if self.b.js("return document.getElementById('cast').disabled"):
+            self.check(self.mode != "webgl2", "rays are offered where WebGL2 is")
+            return
+        self.b.js("trephine.meshes.forEach(m => { m.visible = false }); trephine.state.showMarks = false; document.querySelector('#views button[data-view=home]').click(); trephine.cam.dist *= 0.5")
+        settle(self.b)
+        bare = self.pixels()
+        for name in ("bone", "skin"):
+            self.set("cast", name)
+            off = self.b.js(REFERENCE, 400)
+            self.check(off["covered"] > 60, f"{name}: rays that meet something: {off}")
+            self.check(off["median"] <= 2 and off["p95"] <= 8, f"{name}: as the reference draws it: {off}")
+        self.check(differ(bare, self.pixels()) > 60, "the CT is seen")
+        self.set("shift", "400"), self.set("clip", "1")
+        off = self.b.js(REFERENCE, 400)
+        self.check(off["covered"] > 40 and off["median"] <= 2 and off["p95"] <= 8, f"shifted and cut: {off}")
+        self.set("shift", "0"), self.set("clip", "-1")
+        # A surface that hides all of it.
+        seen = self.pixels()
+        self.b.js("const m = trephine.meshes[0]; m.visible = true; m.kept = m.opacity; m.opacity = 1; trephine.render()")
+        behind = self.b.js(REFERENCE, 400)
+        self.check(differ(seen, self.pixels()) > 60, f"an opaque surface hides what lies behind it: {behind}")
+        self.set("cast", "nothing")
+        self.b.js("trephine.meshes.forEach(m => { m.visible = true; if (m.kept) m.opacity = m.kept }); trephine.cam.dist *= 2; trephine.state.showMarks = true; trephine.render()")
+
     def without_ct(self):
         self.b.open((self.case.parent / "felt/report/view.html").as_uri())
         wait(self.b)
@@ -397,6 +487,7 @@ def main():
             page.cuts()
             page.deviation()
             page.slices()
+            page.rays()
             page.without_ct()
     check.end()
 
