@@ -19,7 +19,6 @@ constexpr std::size_t most_candidates = 60;
 constexpr int directions = 240, rounds = 8;
 constexpr double ray_step_mm = 0.2, beyond_mm = 2.5, near_mm = 1.6;
 constexpr double least_share = 0.55, most_rms_mm = 0.35, radius_off_mm = 0.9;
-constexpr double pair_off_mm = 0.8, mark_off_mm = 1.2;
 
 Vec3 direction(int n) {  // evenly over the sphere, along a spiral
   const double z = 1 - 2 * (n + 0.5) / directions, r = std::sqrt(1 - z * z), turn = pi * (3 - std::sqrt(5.0)) * n;
@@ -83,79 +82,6 @@ bool fitted(const ScanView& scan, double radius_mm, FoundSphere& s) {
     s.share = double(inliers) / directions;
   }
   return s.share >= least_share && s.rms_mm <= most_rms_mm && std::abs(s.radius_mm - radius_mm) <= radius_off_mm;
-}
-
-struct Rigid {
-  itk::LinearMap map;
-  double rms_mm = 1e9;
-};
-Rigid rigid_between(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
-  Vec3 a, b;
-  for (const Vec3& p : from) a += p / double(from.size());
-  for (const Vec3& p : to) b += p / double(to.size());
-  Eigen::Matrix3d h = Eigen::Matrix3d::Zero();
-  for (std::size_t n = 0; n < from.size(); ++n) {
-    const Vec3 p = from[n] - a, q = to[n] - b;
-    h += Eigen::Vector3d(p.x, p.y, p.z) * Eigen::RowVector3d(q.x, q.y, q.z);
-  }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(h, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d d = Eigen::Matrix3d::Identity();
-  d(2, 2) = (svd.matrixV() * svd.matrixU().transpose()).determinant() < 0 ? -1 : 1;
-  const Eigen::Matrix3d r = svd.matrixV() * d * svd.matrixU().transpose();
-  Rigid out;
-  for (int k = 0; k < 3; ++k) out.map.matrix.column[std::size_t(k)] = {r(0, k), r(1, k), r(2, k)};
-  out.map.offset_mm = b - out.map.matrix * a;
-  double sum = 0;
-  for (std::size_t n = 0; n < from.size(); ++n) {
-    const Vec3 off = out.map(from[n]) - to[n];
-    sum += dot(off, off);
-  }
-  out.rms_mm = std::sqrt(sum / double(from.size()));
-  return out;
-}
-
-/// Which sphere each mark is, and how they lie.
-struct Matching {
-  Rigid rigid;
-  std::vector<Vec3> from, to;
-};
-Matching matched(const std::vector<Vec3>& marks, const std::vector<Vec3>& found) {
-  Matching best;
-  const auto extend = [&](const itk::LinearMap& start) {
-    itk::LinearMap map = start;
-    Matching now;
-    for (int round = 0; round < 3; ++round) {
-      now.from.clear(), now.to.clear();
-      for (const Vec3& m : marks) {
-        const Vec3 p = map(m);
-        const auto nearest =
-            std::min_element(found.begin(), found.end(), [&](Vec3 a, Vec3 b) { return norm(a - p) < norm(b - p); });
-        if (nearest == found.end() || norm(*nearest - p) > mark_off_mm) continue;
-        now.from.push_back(m), now.to.push_back(*nearest);
-      }
-      if (now.from.size() < 3) return;
-      now.rigid = rigid_between(now.from, now.to);
-      map = now.rigid.map;
-    }
-    if (now.from.size() > best.from.size() ||
-        (now.from.size() == best.from.size() && now.rigid.rms_mm < best.rigid.rms_mm))
-      best = now;
-  };
-  const std::size_t n = marks.size(), m = found.size();
-  for (std::size_t a = 0; a < n; ++a)
-    for (std::size_t b = a + 1; b < n; ++b)
-      for (std::size_t i = 0; i < m; ++i)
-        for (std::size_t j = 0; j < m; ++j) {
-          if (i == j || std::abs(norm(found[i] - found[j]) - norm(marks[a] - marks[b])) > pair_off_mm) continue;
-          for (std::size_t c = b + 1; c < n; ++c)
-            for (std::size_t k = 0; k < m; ++k) {
-              if (k == i || k == j || std::abs(norm(found[k] - found[i]) - norm(marks[c] - marks[a])) > pair_off_mm ||
-                  std::abs(norm(found[k] - found[j]) - norm(marks[c] - marks[b])) > pair_off_mm)
-                continue;
-              extend(rigid_between({marks[a], marks[b], marks[c]}, {found[i], found[j], found[k]}).map);
-            }
-        }
-  return best;
 }
 
 }  // namespace
@@ -223,48 +149,10 @@ std::vector<FoundSphere> find_spheres(const ScanView& scan, double radius_mm, co
   return found;
 }
 
-double MarkFit::error_mm(Vec3 p) const {
-  const double n = double(used_mm.size());
-  if (used_mm.size() < 3) return 1e3;
-  Vec3 middle;
-  for (const Vec3& m : used_mm) middle += m / n;
-  Eigen::Matrix3d c = Eigen::Matrix3d::Zero();
-  for (const Vec3& m : used_mm) {
-    const Eigen::Vector3d d(m.x - middle.x, m.y - middle.y, m.z - middle.z);
-    c += d * d.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(c);
-  const Eigen::Vector3d to(p.x - middle.x, p.y - middle.y, p.z - middle.z);
-  const double localised = residual_mm * residual_mm * n / std::max(1.0, n - 2);
-  double sum = 0;
-  for (int k = 0; k < 3; ++k) {
-    const auto off_axis = [&](const Eigen::Vector3d& v) {
-      const double along = v.dot(axes.eigenvectors().col(k));
-      return std::max(0.0, v.squaredNorm() - along * along);
-    };
-    double marks_off = 0;
-    for (const Vec3& m : used_mm) marks_off += off_axis({m.x - middle.x, m.y - middle.y, m.z - middle.z}) / n;
-    sum += off_axis(to) / std::max(1e-6, marks_off);
-  }
-  return std::sqrt(localised / n * (1 + sum / 3));
-}
-
 MarkFit fit_marks(const std::vector<print::PrintMark>& marks, const std::vector<FoundSphere>& spheres) {
-  std::vector<Vec3> known, mirror, found;
-  for (const print::PrintMark& m : marks) {
-    known.push_back(m.case_mm);
-    mirror.push_back({-m.case_mm.x, m.case_mm.y, m.case_mm.z});
-  }
+  std::vector<Vec3> found;
   for (const FoundSphere& s : spheres) found.push_back(s.at_mm);
-  const Matching is = matched(known, found), other = matched(mirror, found);
-  MarkFit fit;
-  fit.map = is.rigid.map;
-  fit.marks = is.from.size();
-  fit.residual_mm = is.rigid.rms_mm;
-  fit.used_mm = is.from;
-  fit.mirrored_marks = other.from.size();
-  if (!other.from.empty()) fit.mirrored_residual_mm = other.rigid.rms_mm;
-  return fit;
+  return lesson::fit_marks(marks, found);
 }
 
 }  // namespace trephine::outcome

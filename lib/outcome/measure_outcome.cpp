@@ -93,7 +93,7 @@ lesson::OutcomeRegistration registered(const MarkFit& fit, const print::PrintRec
   r.marks_count = std::int64_t(fit.marks);
   for (const print::PrintTarget& t : print.targets)
     r.target_error_mm = std::max(r.target_error_mm, fit.error_mm(t.case_mm));
-  r.transform = print::rows_of(fit.map);
+  r.transform = rows_of(fit.map);
   if (fit.residual_mm > p.doubtful_marks_mm) r.doubts.push_back("marks");
   if (fit.mirrored_marks == fit.marks) r.doubts.push_back("mirrored");
   r.sighting = r.doubts.empty() ? lesson::Sighting::found : lesson::Sighting::doubtful;
@@ -113,7 +113,7 @@ Laid laid_by_marks(const cases::LoadedCase& loaded, const ScanView& view, const 
   if (print.marks.empty()) throw Error(ExitCode::bad_input, "", "marks", "the print has no marks");
   const auto fit = std::make_shared<MarkFit>(
       fit_marks(print.marks, find_spheres(view, 0.5 * print.marks.front().diameter_mm, progress)));
-  return {fit->map, registered(*fit, print, params), [fit](Vec3 p) { return fit->error_mm(p); }};
+  return {{fit->map.turn, fit->map.offset_mm}, registered(*fit, print, params), [fit](Vec3 p) { return fit->error_mm(p); }};
 }
 Laid laid_by_bone(const cases::LoadedCase& loaded, const CaseHead& head, const ScanView& view,
                   const OutcomeParams& params, const Progress& progress) {

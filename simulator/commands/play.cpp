@@ -112,6 +112,10 @@ ExitCode run_play(const cli::ParsedCommand& given) {
   if (parsed.has("screen")) {
     if (o.session.device.name.empty() || !o.playback.empty())
       throw Error(ExitCode::usage, "", "--screen", "says where a --device lies; the mouse and a playback need none");
+    for (const device::DeviceType& type : device::device_types())
+      if (type.placed && type.name == o.session.device.name)
+        throw Error(ExitCode::usage, "", "--screen, --device " + type.name,
+                    "do not go together: the tool is in the print, and not before the screen");
     // The registration alone says where the tool is: another scale, place or a clutch would take it away from the hand.
     const device::WorkspaceParams& own = o.session.workspace;
     const device::WorkspaceParams none;

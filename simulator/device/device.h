@@ -45,6 +45,8 @@ class Device {
   virtual void tell(const DeviceNews&) {}
   /// Whether its readings say how the tool is turned about its axis (DeviceReading::across).
   virtual bool knows_across() const { return false; }
+  /// How far the tool may really lie from where its poses say, mm, the expected error; 0: they say where it is.
+  virtual double place_error_mm() const { return 0; }
   /// The device's counters by name; may be called from another thread.
   virtual std::vector<std::pair<std::string, std::uint64_t>> counts() const { return {}; }
 };

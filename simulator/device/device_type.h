@@ -54,6 +54,8 @@ struct DeviceScene {
   std::vector<std::pair<std::string, Vec3>> sites;    ///< the case's landmarks and burr holes, mm
   std::shared_ptr<Mailbox<ViewAxes>> view = nullptr;  ///< of a window; read by the servo thread alone
   std::optional<HandBegin> begin = std::nullopt;      ///< of a hand that is led; none: it finds its own
+  std::string case_token = {};
+  std::vector<std::string> tools = {};  ///< names of a lesson's tools, by number; none: there is one
 };
 
 /// A kind of device, declared once. The values of --device, the help, the reference pages and the completion come from
@@ -68,6 +70,7 @@ struct DeviceType {
   std::vector<cli::Argument> files;         ///< of kind in_file: required with this kind, refused with others
   std::vector<cli::ParameterGroup> groups;  ///< its options
   bool lives = false;                       ///< it runs in real time, so the loop must keep to the clock
+  bool placed = false;                      ///< its poses are of the case's frame, and no workspace moves them
   /// Makes the device, ready to be read. It may wait for a client, and then says so.
   std::function<std::unique_ptr<Device>(const DeviceChoice&, const DeviceScene&)> make;
 };

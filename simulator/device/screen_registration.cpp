@@ -2,68 +2,21 @@
 #include "device/screen_registration.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "base/refusal.h"
+#include "base/rigid_fit.h"
 #include "base/write_file.h"
 
 namespace trephine::device {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Matrix4 = std::array<std::array<double, 4>, 4>;
 
 constexpr double far_mm = 1e4;
 constexpr double min_spread_mm = 5;  // of the marks across their longest line
-
-// The eigenvector of the largest eigenvalue of a symmetric matrix, by Jacobi's rotations.
-std::array<double, 4> largest_eigenvector(Matrix4 a) {
-  Matrix4 v{};
-  for (int n = 0; n < 4; ++n) v[n][n] = 1;
-  for (int sweep = 0; sweep < 60; ++sweep)
-    for (int p = 0; p < 3; ++p)
-      for (int q = p + 1; q < 4; ++q) {
-        if (a[p][q] == 0) continue;
-        const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
-        const double t = (theta < 0 ? -1 : 1) / (std::abs(theta) + std::sqrt(theta * theta + 1));
-        const double c = 1 / std::sqrt(t * t + 1), s = t * c;
-        for (int k = 0; k < 4; ++k) {
-          const double kp = a[k][p], kq = a[k][q];
-          a[k][p] = c * kp - s * kq;
-          a[k][q] = s * kp + c * kq;
-        }
-        for (int k = 0; k < 4; ++k) {
-          const double pk = a[p][k], qk = a[q][k];
-          a[p][k] = c * pk - s * qk;
-          a[q][k] = s * pk + c * qk;
-          const double kp = v[k][p], kq = v[k][q];
-          v[k][p] = c * kp - s * kq;
-          v[k][q] = s * kp + c * kq;
-        }
-      }
-  int best = 0;
-  for (int n = 1; n < 4; ++n)
-    if (a[n][n] > a[best][best]) best = n;
-  return {v[0][best], v[1][best], v[2][best], v[3][best]};
-}
-
-Mat3 rotation_of(const std::array<double, 4>& q) {
-  const double w = q[0], x = q[1], y = q[2], z = q[3];
-  Mat3 m;
-  m.column[0] = {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)};
-  m.column[1] = {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)};
-  m.column[2] = {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)};
-  return m;
-}
-
-Vec3 mean_of(const std::vector<Vec3>& points) {
-  Vec3 sum;
-  for (const Vec3 p : points) sum += p;
-  return sum / double(points.size());
-}
 
 // How far the points lie from the line through the two that are farthest from each other.
 double spread_mm(const std::vector<Vec3>& points) {
@@ -87,23 +40,20 @@ ScreenRegistration fit_screen(const std::vector<Vec3>& device_mm, const std::vec
   if (spread_mm(device_mm) < min_spread_mm || spread_mm(screen_mm) < min_spread_mm)
     throw refusal("marks", "were touched on one line, so the screen's plane is not known",
                   {"touch those that `register` names, one after the other"});
-  const Vec3 from = mean_of(device_mm), to = mean_of(screen_mm);
-  double s[3][3] = {};
-  double device_squares = 0, screen_squares = 0;
-  for (std::size_t n = 0; n < device_mm.size(); ++n) {
-    const Vec3 a = device_mm[n] - from, b = screen_mm[n] - to;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) s[i][j] += a[i] * b[j];
-    device_squares += dot(a, a);
-    screen_squares += dot(b, b);
-  }
-  const Matrix4 m{{{s[0][0] + s[1][1] + s[2][2], s[1][2] - s[2][1], s[2][0] - s[0][2], s[0][1] - s[1][0]},
-                   {s[1][2] - s[2][1], s[0][0] - s[1][1] - s[2][2], s[0][1] + s[1][0], s[2][0] + s[0][2]},
-                   {s[2][0] - s[0][2], s[0][1] + s[1][0], -s[0][0] + s[1][1] - s[2][2], s[1][2] + s[2][1]},
-                   {s[0][1] - s[1][0], s[2][0] + s[0][2], s[1][2] + s[2][1], -s[0][0] - s[1][1] + s[2][2]}}};
   ScreenRegistration r;
-  r.turn = rotation_of(largest_eigenvector(m));
-  r.scale = scales ? std::sqrt(screen_squares / device_squares) : 1;
+  const RigidFit fit = fit_rigid(device_mm, screen_mm);
+  r.turn = fit.map.turn;
+  Vec3 from, to;
+  for (std::size_t n = 0; n < device_mm.size(); ++n) {
+    from += device_mm[n] / double(device_mm.size());
+    to += screen_mm[n] / double(screen_mm.size());
+  }
+  if (scales) {
+    double device_squares = 0, screen_squares = 0;
+    for (const Vec3 p : device_mm) device_squares += dot(p - from, p - from);
+    for (const Vec3 p : screen_mm) screen_squares += dot(p - to, p - to);
+    r.scale = std::sqrt(screen_squares / device_squares);
+  }
   r.offset_mm = to - r.turn * from * r.scale;
   r.marks_count = int(device_mm.size());
   double squares = 0;

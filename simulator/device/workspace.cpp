@@ -84,11 +84,14 @@ std::vector<std::pair<std::string, std::uint64_t>> WorkspaceDevice::counts() con
   return all;
 }
 
-std::unique_ptr<Device> in_workspace(std::unique_ptr<Device> device, const WorkspaceParams& params) {
+bool is_unmoved(const WorkspaceParams& params) {
   const WorkspaceParams none;
-  if (workspace_axes(params) == workspace_axes(none) && params.workspace_scale == none.workspace_scale &&
-      params.workspace_offset_mm == none.workspace_offset_mm && params.clutch_button == 0)
-    return device;
+  return workspace_axes(params) == workspace_axes(none) && params.workspace_scale == none.workspace_scale &&
+         params.workspace_offset_mm == none.workspace_offset_mm && params.clutch_button == 0;
+}
+
+std::unique_ptr<Device> in_workspace(std::unique_ptr<Device> device, const WorkspaceParams& params) {
+  if (is_unmoved(params)) return device;
   return std::make_unique<WorkspaceDevice>(std::move(device), params);
 }
 

@@ -34,6 +34,8 @@ struct WorkspaceParams {
   }
 };
 
+/// Whether positions are passed on as they are, and no button is the clutch. Throws as workspace_axes does.
+bool is_unmoved(const WorkspaceParams& params);
 /// The rotation that workspace_axes names: `axes * p` is a device's direction p in the case's axes (LPS). Throws Error
 /// 64 where the text is none, or would mirror the hand.
 Mat3 workspace_axes(const WorkspaceParams& params);

@@ -18,7 +18,7 @@ namespace trephine::haptics {
 
 /// The one version that is written and read. Whatever changes forces, the header or the frames raises it and removes
 /// what it replaces.
-constexpr int recording_version = 14;
+constexpr int recording_version = 15;
 
 /// What was cut.
 struct RecordedCutting {
@@ -63,6 +63,7 @@ struct RecordingHeader {
   std::string feel_sha256;              ///< feel_digest()
   std::string device;
   double rate_hz = 1000;
+  double place_error_mm = 0;  ///< Device::place_error_mm()
   bool knows_across = false;  ///< Device::knows_across(); frames then hold it, and are longer
   std::string felt_shape;     ///< the only shape that could be touched; empty: all shapes of the case
   contact::ContactParams contact;
@@ -88,6 +89,9 @@ struct RecordingHeader {
     v.text(&P::case_sha256, "case_sha256", "SHA-256 of its case.json, which holds the hash of every file.");
     v.text(&P::feel_sha256, "feel_sha256", "Digest of its materials.");
     v.text(&P::device, "device", "Who held the tool.");
+    v.only_where(v.number(&P::place_error_mm, "place_error_mm", Range{},
+                          "How far the tool may really have been from its poses: the expected error."),
+                 [](const P& h) { return h.place_error_mm != 0; });
     v.number(&P::rate_hz, "rate_hz", Range{}, "Ticks in each second, as they were asked for.");
     v.text(&P::felt_shape, "felt_shape", "The only shape that could be touched; empty: all.");
     v.group(&P::contact, "contact", "How contact is found.");

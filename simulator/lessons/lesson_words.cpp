@@ -45,6 +45,8 @@ constexpr Wording common[] = {
     {{"left", "links"}},
     {{"pedicle", "Pedikel"}},
     {{"Time to complete procedure", "Dauer des Eingriffs"}},
+    {{"the tool may have been {} mm off, and a limit is {} mm",
+      "das Instrument kann um {} mm abgewichen sein, und eine Grenze ist {} mm"}},
     {{"{} of this case is doubtful", "{} ist in diesem Fall nicht sicher bekannt"}},
     // critical errors, by their names in a rubric
     {{"dura by burr", "Dura durch den Bohrer"}},

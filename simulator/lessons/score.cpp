@@ -1,10 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lessons/score.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+
 #include "base/error.h"
 #include "lessons/lesson.h"
 
 namespace trephine::lessons {
+namespace {
+
+bool ends_with(std::string_view name, std::string_view end) {
+  return name.size() >= end.size() && name.substr(name.size() - end.size()) == end;
+}
+
+}  // namespace
 
 const char* name_of(LessonOutcome outcome) {
   constexpr const char* names[] = {"not completed", "completed", "failed"};
@@ -51,6 +63,22 @@ void lower_by_speed(ScoreRow& row, const LessonFacts& facts, const std::optional
                                        {"three_mm_per_s", limits->three},
                                        {"two_mm_per_s", limits->two}});
   lower(row, limits->score(facts.fastest_mm_per_s), "it went in too fast", facts.fastest_s);
+}
+
+void doubt_places(LessonScore& score, double place_error_mm) {
+  for (ScoreRow& row : score.rows) {
+    double least = 1e300;
+    for (const auto& [name, limit] : row.limits)
+      if (ends_with(name, "_mm") && limit.limit > 0) least = std::min(least, limit.limit);
+    if (!row.score || !(least < place_error_mm)) continue;
+    row.score.reset();
+    row.decided_s.reset();
+    row.why = {"the tool may have been {} mm off, and a limit is {} mm",
+               {fmt::format("{:.1f}", place_error_mm), fmt::format("{:g}", least)}};
+    score.advice.erase(std::remove_if(score.advice.begin(), score.advice.end(),
+                                      [&](const Advice& a) { return a.row == row.name; }),
+                       score.advice.end());
+  }
 }
 
 texts::Phrase doubtful(const texts::Phrase& what) { return {"{} of this case is doubtful", {what}}; }

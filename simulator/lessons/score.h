@@ -14,6 +14,7 @@
 namespace trephine::lessons {
 
 struct LessonFacts;
+struct LessonScore;
 
 /// One row of a rubric's table.
 struct ScoreRow {
@@ -65,6 +66,9 @@ void lower(ScoreRow& row, int score, const texts::Phrase& why, std::optional<dou
 /// The same by how fast a tool went into the patient, with the figure and its limits; nothing without limits.
 void lower_by_speed(ScoreRow& row, const LessonFacts& facts, const std::optional<lesson::FourLimits>& mm_per_s);
 
+/// Takes the points, and the advice, from rows of which a limit in mm is smaller than how far the tool may really have
+/// been from its poses (RecordingHeader::place_error_mm): these are not judged. Limits of 0 and speeds do not count.
+void doubt_places(LessonScore& score, double place_error_mm);
 /// Why a row is not judged that was measured on a CT after a procedure, or on a volume that another program drilled.
 const char* not_shown(const LessonFacts& facts);
 /// Why a row is not judged: what the case does not know well enough.

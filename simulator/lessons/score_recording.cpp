@@ -68,6 +68,7 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
     throw Error(ExitCode::bad_input, file.string(), "lesson", h.lesson + ", but the rubric is of " + rubric.module);
   const LessonType& type = lesson_type(h.lesson);
   s.score = type.score(*s.facts, felt.loaded, before, rubric.rubric);
+  doubt_places(s.score, h.place_error_mm);
   require_same_questions(h, *s.facts, type, felt.loaded.manifest, rubric, file);
   // What another rubric asked cannot be held against this one: the answers' order follows from the announced one.
   judge_decisions(s.score, *s.facts, h.asked, *rubric.common, h.case_token, h.rubric_sha256 == rubric.sha256);
@@ -84,6 +85,7 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
             h.rubric_sha256,
             h.asked.empty() && !rubric.common->questions.empty(),
             motion_figures(s.recording.frames)};
+  s.head.place_error_mm = h.place_error_mm;
   return s;
 }
 

@@ -79,7 +79,10 @@ constexpr texts::Wording announced_words{
          "Die Aufnahme ist unterschrieben, diese Punkte sind es nicht: sie nennt den Bewertungsbogen "
          "nicht, der sie gibt."}},
     unasked_words{{"The rubric's questions were not asked: no time-out is judged.",
-                   "Die Fragen des Bewertungsbogens wurden nicht gestellt: kein Time-out wird bewertet."}};
+                   "Die Fragen des Bewertungsbogens wurden nicht gestellt: kein Time-out wird bewertet."}},
+    tracked_words{{"A tracker saw the tool: where the procedure aims it may have been {:.1f} mm off (expected error).",
+                   "Ein Trackingsystem sah das Instrument: am Ziel kann es um {:.1f} mm abgewichen sein (erwarteter "
+                   "Fehler)."}};
 
 // What the table in the terminal says beside the rows.
 constexpr texts::Wording at_words{{", at {:.1f} s", ", bei {:.1f} s"}}, critical_words{{"CRITICAL", "SCHWERER FEHLER"}},
@@ -106,6 +109,8 @@ std::vector<std::string> provenance_notes(const ReportHead& head, texts::Languag
   if (head.other_rubric()) all.push_back(announced_words.of(language));
   if (head.signature == Signature::of_another_rubric) all.push_back(unsigned_points_words.of(language));
   if (head.unasked) all.push_back(unasked_words.of(language));
+  if (head.place_error_mm > 0)
+    all.push_back(fmt::format(fmt::runtime(tracked_words.of(language)), head.place_error_mm));
   return all;
 }
 
@@ -171,6 +176,7 @@ std::string score_json(const ReportHead& head, const LessonFacts& facts, const L
               {"figures", figures},
               {"facts", json_of(lesson_type(head.module), facts)}};
   out["motion"] = motion;
+  if (head.place_error_mm > 0) out["place_error_mm"] = head.place_error_mm;
   out["announced_rubric_sha256"] = head.announced_rubric_sha256;
   Json decisions = Json::array();
   for (const Decision& d : score.decisions) decisions.push_back(json_of(d));

@@ -92,10 +92,7 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
                        : std::make_shared<Patient>(options.case_folder, options.shape, options.contact)),
       device_(witnessed(
           with_board(device::in_workspace(
-                         before_screen(options.own_device ? options.own_device(scene_of(options, say))
-                                                          : device::make_device(options.device, scene_of(options, say)),
-                                       options),
-                         options.workspace),
+                         before_screen(made_device(options, say), options), options.workspace),
                      options.board),
           options, patient_->felt.case_sha256)),
       header_(header_of(options)),
@@ -136,6 +133,15 @@ Session::~Session() {
   if (thread_.joinable()) thread_.join();
 }
 
+std::unique_ptr<device::Device> Session::made_device(const SessionOptions& options,
+                                                     const std::function<void(const texts::Note&)>& say) {
+  std::unique_ptr<device::Device> device = options.own_device
+                                               ? options.own_device(scene_of(options, say))
+                                               : device::make_device(options.device, scene_of(options, say));
+  place_error_mm_ = device->place_error_mm();
+  return device;
+}
+
 device::DeviceScene Session::scene_of(const SessionOptions& options,
                                       const std::function<void(const texts::Note&)>& say) {
   device::DeviceScene scene{patient_->contact,
@@ -158,6 +164,8 @@ device::DeviceScene Session::scene_of(const SessionOptions& options,
   begin.axis = transpose_times(axes, begin.axis);
   scene.begin = begin;
   const cases::CaseManifest& m = patient_->felt.loaded.manifest;
+  scene.case_token = m.case_token;
+  for (const haptics::BeltToolParams& tool : options.tools) scene.tools.push_back(tool.name);
   if (!options.drilling.drill) return scene;
   scene.drilled = haptics::drilled_shapes(m.haptic);
   scene.tool_radius_mm = 0.5 * haptics::own_tool(options.tool).tool_diameter_mm;
@@ -170,6 +178,7 @@ haptics::RecordingHeader Session::header_of(const SessionOptions& options) const
   haptics::RecordingHeader header = patient_->felt.header();
   header.device = options.device.name;
   header.knows_across = device_->knows_across();
+  header.place_error_mm = place_error_mm_;
   header.rate_hz = options.servo.rate_hz;
   header.contact = options.contact;
   header.force = options.force;

@@ -140,6 +140,8 @@ class Session {
  private:
   haptics::RecordingHeader header_of(const SessionOptions& options) const;
   device::DeviceScene scene_of(const SessionOptions& options, const std::function<void(const texts::Note&)>& say);
+  std::unique_ptr<device::Device> made_device(const SessionOptions& options,
+                                              const std::function<void(const texts::Note&)>& say);
   std::size_t queue_size() const;
   void drain();
   void run();
@@ -147,6 +149,7 @@ class Session {
   const SessionOptions options_;
   const std::atomic<bool>& stop_;
   std::shared_ptr<Patient> patient_;
+  double place_error_mm_ = 0;  // of the device itself, whatever lies before it
   std::unique_ptr<device::Device> device_;
   haptics::RecordingHeader header_;
   std::unique_ptr<haptics::Drilling> drilling_;

@@ -24,6 +24,7 @@ constexpr Row table[] = {
      {{"the device had a {}: no force for the moment, it comes back by itself",
        "am Gerät: {}: im Moment keine Kraft, sie kommt von selbst zurück"}}},
     {NoteId::waiting_for_device, {{"waiting for a device on {}", "warte auf ein Gerät an {}"}}},
+    {NoteId::waiting_for_tracker, {{"waiting for the tracker at {}", "warte auf das Trackingsystem an {}"}}},
     {NoteId::softer_walls,
      {{"all that is touched has {} of its stiffness, since the device answers after {} ms and damps by {} N s/m",
        "alles Berührte hat das {}-fache seiner Steife, denn das Gerät antwortet nach {} ms und dämpft mit {} N s/m"}}},

@@ -23,6 +23,7 @@ enum class NoteId {
   force_comes_back,
   // Of devices.
   waiting_for_device,
+  waiting_for_tracker,
   softer_walls,
   undamped_device,
   holding_mouse_3d,

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "print/print_record.h"
+#include "lesson/print_record.h"
 
 #include "base/error.h"
 #include "base/write_file.h"
 #include "json/declared_json.h"
 
-namespace trephine::print {
+namespace trephine::lesson {
 
 std::string to_json(const PrintRecord& record) {
   return json::declared_json(AnyParams::make<PrintRecord>(record)) + "\n";
@@ -26,22 +26,4 @@ PrintRecord read_print(const std::filesystem::path& file) {
   });
 }
 
-itk::LinearMap map_of(const std::array<double, 12>& rows) {
-  itk::LinearMap map;
-  for (std::size_t a = 0; a < 3; ++a) {
-    for (std::size_t k = 0; k < 3; ++k) map.matrix.column[k][int(a)] = rows[4 * a + k];
-    map.offset_mm[int(a)] = rows[4 * a + 3];
-  }
-  return map;
-}
-
-std::array<double, 12> rows_of(const itk::LinearMap& map) {
-  std::array<double, 12> rows{};
-  for (std::size_t a = 0; a < 3; ++a) {
-    for (std::size_t k = 0; k < 3; ++k) rows[4 * a + k] = map.matrix.column[k][int(a)];
-    rows[4 * a + 3] = map.offset_mm[int(a)];
-  }
-  return rows;
-}
-
-}  // namespace trephine::print
+}  // namespace trephine::lesson
