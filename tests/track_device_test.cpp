@@ -196,8 +196,8 @@ TEST(TrackedDevice, AServerMayGoAndComeBack) {
   reads(true);
   const auto frame_of = [&](Vec3 tip, double clock_s) {
     return [&t, tip, clock_s](double now_s) {
-      return std::vector<Bytes>{tdata(
-          {{"Pointer", t.body_at(tip, {0, 0, 1})}, {"Head", t.reference_to_tracker}}, clock_s + now_s)};
+      return std::vector<Bytes>{
+          tdata({{"Pointer", t.body_at(tip, {0, 0, 1})}, {"Head", t.reference_to_tracker}}, clock_s + now_s)};
     };
   };
   server.start(frame_of({1, 2, 3}, 9000));

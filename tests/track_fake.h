@@ -57,9 +57,7 @@ inline Mat3 between(Vec3 from, Vec3 to) {  // the shortest turn
 }
 
 /// One number of the normal distribution.
-inline double normal(Random& random) {
-  return std::sqrt(-2 * std::log(1 - random())) * std::cos(2 * pi * random());
-}
+inline double normal(Random& random) { return std::sqrt(-2 * std::log(1 - random())) * std::cos(2 * pi * random()); }
 /// A body as a tracker sees it: its origin is off by `mm` along each axis, and it is turned by as much over 100 mm.
 inline RigidMap seen(const RigidMap& is, double mm, Random& random) {
   if (mm == 0) return is;
@@ -186,7 +184,8 @@ class Server {
       while (!stop_) {
         pollfd p{at, POLLIN, 0};
         const int client = poll(&p, 1, 50) > 0 ? accept(at, nullptr, nullptr) : -1;
-        for (bool there = client >= 0; !stop_ && there; std::this_thread::sleep_for(std::chrono::milliseconds(pause_ms))) {
+        for (bool there = client >= 0; !stop_ && there;
+             std::this_thread::sleep_for(std::chrono::milliseconds(pause_ms))) {
           for (const Bytes& b : frame(track::steady_s()))
             there = there && send(client, b.data(), b.size(), MSG_NOSIGNAL) == ssize_t(b.size());
           ++frames_;

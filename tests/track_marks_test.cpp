@@ -92,7 +92,12 @@ TEST(TrackMarks, TooLittleOfASphereAndNoSphereAreRefused) {
   MarkParams ball;  // a ball that is not told of makes the sphere too large
   std::vector<Vec3> wide;
   for (int n = 0; n < 150; ++n) wide.push_back(t.case_to_reference(on_mark(m, n, 150, 3)));
-  EXPECT_GT(norm(mark_middle(wide, 5, 2, [] { MarkParams p; p.largest_touch_mm = 9; return p; }()) -
+  EXPECT_GT(norm(mark_middle(wide, 5, 2,
+                             [] {
+                               MarkParams p;
+                               p.largest_touch_mm = 9;
+                               return p;
+                             }()) -
                  t.case_to_reference(m.case_mm)),
             0.2);
   ball.tip_ball_mm = 3;

@@ -26,7 +26,9 @@ std::vector<Came> all_of(const Bytes& bytes, std::size_t piece, bool* good = nul
   bool is_good = true;
   for (std::size_t at = 0; at < bytes.size() && is_good; at += piece)
     is_good = stream.feed(bytes.data() + at, std::min(piece, bytes.size() - at),
-                          [&](const IgtlHeader& h, const IgtlContent& c) { came.push_back({h, c}); });
+                          [&](const IgtlHeader& h, const IgtlContent& c) {
+                            came.push_back({h, c});
+                          });
   if (good) *good = is_good;
   return came;
 }
@@ -149,11 +151,11 @@ struct Watch {
   BodyWatch watch;
   MessageStream stream;
   explicit Watch(const std::string& reference = "Head")
-      : watch({{"Drill", "Pointer"}, reference},
-              [this](int tool, const RigidMap& map, double now_s) { found.push_back({tool, map, now_s}); }) {}
+      : watch({{"Drill", "Pointer"}, reference}, [this](int tool, const RigidMap& map, double now_s) {
+          found.push_back({tool, map, now_s});
+        }) {}
   void come(const Bytes& bytes, double now_s) {
-    EXPECT_TRUE(feed(stream, bytes,
-                     [&](const IgtlHeader& h, const IgtlContent& c) { watch.take(h, c, now_s); }));
+    EXPECT_TRUE(feed(stream, bytes, [&](const IgtlHeader& h, const IgtlContent& c) { watch.take(h, c, now_s); }));
   }
 };
 
@@ -176,13 +178,13 @@ TEST(TrackBodies, APoseIsBeforeTheReference) {
 
 TEST(TrackBodies, WithoutCommonStampsTheyMayBeALittleApart) {
   Watch w;
-  w.come(transform("Head", {}, 10), 1);
+  w.come(transform("Head", a_map(), 10), 1);
   w.come(transform("Drill", a_map(), 10.03), 1.03);
   EXPECT_EQ(w.found.size(), 1u);
   w.come(transform("Drill", a_map(), 10.08), 1.08);
   EXPECT_EQ(w.found.size(), 1u) << "a head of 80 ms before is taken";
   Watch clockless;  // no stamps at all: by the time at which they come
-  clockless.come(transform("Head", {}, 0), 1);
+  clockless.come(transform("Head", a_map(), 0), 1);
   clockless.come(transform("Drill", a_map(), 0), 1.01);
   clockless.come(transform("Drill", a_map(), 0), 1.2);
   EXPECT_EQ(clockless.found.size(), 1u);
@@ -190,7 +192,7 @@ TEST(TrackBodies, WithoutCommonStampsTheyMayBeALittleApart) {
 
 TEST(TrackBodies, WithoutAReferencePosesAreOfTheTracker) {
   Watch w("");
-  w.come(tdata({{"Pointer", a_map()}, {"Drill", {}}}, 3), 1);
+  w.come(tdata({{"Pointer", a_map()}, {"Drill", a_map()}}, 3), 1);
   ASSERT_EQ(w.found.size(), 2u);
   EXPECT_EQ(w.found[0].tool, 1);
   EXPECT_LT(norm(w.found[0].map.offset_mm - a_map().offset_mm), 1e-4);
@@ -215,6 +217,8 @@ TEST(TrackBodies, WhatIsNoPoseIsNotTaken) {
   EXPECT_EQ(w.watch.counts().mirrored, 1u);
   for (const RigidMap& map : {scaled, sheared, nan, lost, far}) come(map);
   EXPECT_EQ(w.watch.counts().not_rigid, 5u);
+  come({});  // the identity: it is out of view
+  EXPECT_EQ(w.watch.counts().unseen, 1u);
   w.come(tdata({{"Drill", a_map(), 3}}, 9), 9);
   w.come(tdata({{"Drill", a_map(), 4}}, 9.1), 9.1);
   EXPECT_EQ(w.watch.counts().incomplete, 2u);

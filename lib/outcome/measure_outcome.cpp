@@ -113,7 +113,8 @@ Laid laid_by_marks(const cases::LoadedCase& loaded, const ScanView& view, const 
   if (print.marks.empty()) throw Error(ExitCode::bad_input, "", "marks", "the print has no marks");
   const auto fit = std::make_shared<MarkFit>(
       fit_marks(print.marks, find_spheres(view, 0.5 * print.marks.front().diameter_mm, progress)));
-  return {{fit->map.turn, fit->map.offset_mm}, registered(*fit, print, params), [fit](Vec3 p) { return fit->error_mm(p); }};
+  return {
+      {fit->map.turn, fit->map.offset_mm}, registered(*fit, print, params), [fit](Vec3 p) { return fit->error_mm(p); }};
 }
 Laid laid_by_bone(const cases::LoadedCase& loaded, const CaseHead& head, const ScanView& view,
                   const OutcomeParams& params, const Progress& progress) {

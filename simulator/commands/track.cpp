@@ -86,7 +86,8 @@ Vec3 mean_tip(const std::vector<RigidMap>& poses, Vec3 tip_mm) {
 
 ExitCode run_pivot(const cli::ParsedCommand& parsed) {
   const auto& p = parsed.params<PivotCommandParams>();
-  if (p.tool_body.empty()) throw Error(ExitCode::usage, "", "--tool-body", "is needed: the tracker's name for the tool");
+  if (p.tool_body.empty())
+    throw Error(ExitCode::usage, "", "--tool-body", "is needed: the tracker's name for the tool");
   if (p.tool_body == p.reference_body) throw Error(ExitCode::usage, "", "--reference-body", "is the tool itself");
   track::PoseSource source(parsed.params<track::TrackerParams>(), {p.tool_body}, p.reference_body);
   const track::PivotTip tip = track::pivot_tip(
@@ -102,15 +103,17 @@ ExitCode run_pivot(const cli::ParsedCommand& parsed) {
   tool.spread_deg = tip.spread_deg;
   tool.poses_count = std::int64_t(tip.used);
   tool.outliers_count = std::int64_t(tip.outliers);
-  say(fmt::format("tip at {:.2f}, {:.2f}, {:.2f} mm of the body: {:.2f} mm off its place, known to {:.2f} mm; turned by "
-                  "{:.0f} degrees, {} of {} poses left out",
-                  tip.tip_mm.x, tip.tip_mm.y, tip.tip_mm.z, tip.residual_mm, tip.tip_error_mm, tip.spread_deg,
-                  tip.outliers, tip.used + tip.outliers));
+  say(fmt::format(
+      "tip at {:.2f}, {:.2f}, {:.2f} mm of the body: {:.2f} mm off its place, known to {:.2f} mm; turned by "
+      "{:.0f} degrees, {} of {} poses left out",
+      tip.tip_mm.x, tip.tip_mm.y, tip.tip_mm.z, tip.residual_mm, tip.tip_error_mm, tip.spread_deg, tip.outliers,
+      tip.used + tip.outliers));
   tool.axis = normalized(-tip.tip_mm);
   if (p.spin_poses > 0)
-    tool.axis = track::spin_axis(asked(source, 0, p.spin_poses,
-                                       "leave the tip there, hold the tool upright, be ready to turn it about its axis"),
-                                 tip.tip_mm);
+    tool.axis =
+        track::spin_axis(asked(source, 0, p.spin_poses,
+                               "leave the tip there, hold the tool upright, be ready to turn it about its axis"),
+                         tip.tip_mm);
   if (norm(tool.axis) == 0)
     throw refusal("axis", "the tip is the body's origin, so its direction is not known", {"set `spin_poses`"});
   write_file(parsed.path("out"), track::to_json(tool));
@@ -140,9 +143,9 @@ std::vector<std::size_t> marks_of(const std::string& text, const lesson::PrintRe
 void check_tools(track::PoseSource& source, const std::vector<track::TrackedTool>& tools, const RigidMap& to_case,
                  const lesson::PrintRecord& print, int poses, const track::MarkParams& params) {
   for (std::size_t n = 0; n < tools.size(); ++n) {
-    const Vec3 tip = to_case(mean_tip(asked(source, int(n), poses,
-                                            "check: hold the tip of " + printable(tools[n].body) + " on any mark"),
-                                      tools[n].tip_mm));
+    const Vec3 tip = to_case(
+        mean_tip(asked(source, int(n), poses, "check: hold the tip of " + printable(tools[n].body) + " on any mark"),
+                 tools[n].tip_mm));
     const double off = track::check_off_mm(print, tip, n == 0 ? params.tip_ball_mm : 0);
     say(fmt::format("{}: {:.2f} mm off the nearest mark", printable(tools[n].body), off));
     if (!(off <= params.largest_check_mm))
@@ -245,14 +248,16 @@ const cli::OwnCommand track_pivot_command([] {
   c.description =
       "The tip rests in a small hollow while the tool is tilted to all sides, and then while it is turned about its "
       "axis; a tracker's server sends the poses of a body on it by OpenIGTLink. Where the tip is, and its error by "
-      "leaving parts out, is written to --out, for `trephine-sim track register`. A tip about which the tool was turned "
+      "leaving parts out, is written to --out, for `trephine-sim track register`. A tip about which the tool was "
+      "turned "
       "too little, that slipped, or that is known too badly is refused (80). docs/how-to/track.md leads through it.";
   c.arguments = {cli::required_argument("out", Kind::out_file, "Write the tool to this file (.json).")};
   c.groups = {cli::ParameterGroup::of<PivotCommandParams>("Parameters"),
               cli::ParameterGroup::of<track::PivotParams>("What is refused"),
               cli::ParameterGroup::of<track::TrackerParams>("Tracker by OpenIGTLink")};
   c.examples = {
-      "trephine-sim track pivot --tracker-host tracker.local --tool-body StylusToTracker --reference-body HeadToTracker "
+      "trephine-sim track pivot --tracker-host tracker.local --tool-body StylusToTracker --reference-body "
+      "HeadToTracker "
       "--out stylus.tool.json"};
   c.run = run_pivot;
   return c;

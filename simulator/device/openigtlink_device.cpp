@@ -51,8 +51,9 @@ DeviceType openigtlink_device() {
   type.name = "openigtlink";
   type.help = "a real tool in a printed case, which a tracker sees and sends by OpenIGTLink";
   type.example = "--device openigtlink --tracking head.tracking.json --tracker-host tracker.local --seconds 60";
-  type.files = {cli::argument("tracking", cli::Argument::Kind::in_file,
-                              "Where print and tools are before the tracker, as `trephine-sim track register` wrote it.")};
+  type.files = {
+      cli::argument("tracking", cli::Argument::Kind::in_file,
+                    "Where print and tools are before the tracker, as `trephine-sim track register` wrote it.")};
   type.groups = {cli::ParameterGroup::of<track::TrackerParams>("Tracker by OpenIGTLink")};
   type.lives = true;
   type.placed = true;

@@ -75,9 +75,9 @@ void doubt_places(LessonScore& score, double place_error_mm) {
     row.decided_s.reset();
     row.why = {"the tool may have been {} mm off, and a limit is {} mm",
                {fmt::format("{:.1f}", place_error_mm), fmt::format("{:g}", least)}};
-    score.advice.erase(std::remove_if(score.advice.begin(), score.advice.end(),
-                                      [&](const Advice& a) { return a.row == row.name; }),
-                       score.advice.end());
+    score.advice.erase(
+        std::remove_if(score.advice.begin(), score.advice.end(), [&](const Advice& a) { return a.row == row.name; }),
+        score.advice.end());
   }
 }
 

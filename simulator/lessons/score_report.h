@@ -24,7 +24,7 @@ struct ReportHead {
   std::vector<ExpertBand> experts = {};                     ///< beside which they are shown; none: by themselves
   texts::Language language = texts::Language::english;      ///< of page and table; the JSON is for programs
   bool measured = false;                                    ///< LessonFacts::from_scan: there is no recording
-  double place_error_mm = 0;  ///< of a tracked tool: RecordingHeader::place_error_mm
+  double place_error_mm = 0;                                ///< of a tracked tool: RecordingHeader::place_error_mm
   bool other_rubric() const { return !announced_rubric_sha256.empty() && announced_rubric_sha256 != rubric_sha256; }
   const char* checked() const { return measured ? "measured" : replayed ? "replayed" : "trusted"; }
 };

@@ -91,8 +91,7 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
       patient_(patient ? std::move(patient)
                        : std::make_shared<Patient>(options.case_folder, options.shape, options.contact)),
       device_(witnessed(
-          with_board(device::in_workspace(
-                         before_screen(made_device(options, say), options), options.workspace),
+          with_board(device::in_workspace(before_screen(made_device(options, say), options), options.workspace),
                      options.board),
           options, patient_->felt.case_sha256)),
       header_(header_of(options)),

@@ -18,9 +18,10 @@ constexpr double most_mm = 1e5;
 }  // namespace
 
 std::vector<std::pair<std::string, std::uint64_t>> listed(const WatchCounts& c) {
-  return {{"poses", c.poses},       {"broken", c.broken}, {"not_rigid", c.not_rigid},       {"mirrored", c.mirrored},
-          {"incomplete", c.incomplete}, {"late", c.late},     {"out_of_order", c.out_of_order}, {"unwell", c.unwell},
-          {"others", c.others}};
+  return {
+      {"poses", c.poses},           {"broken", c.broken}, {"not_rigid", c.not_rigid}, {"mirrored", c.mirrored},
+      {"incomplete", c.incomplete}, {"unseen", c.unseen}, {"late", c.late},           {"out_of_order", c.out_of_order},
+      {"unwell", c.unwell},         {"others", c.others}};
 }
 
 BodyWatch::BodyWatch(WatchedBodies wanted, Found found)
@@ -81,6 +82,10 @@ void BodyWatch::take_body(const IgtlBody& body, double stamp_s, double now_s) {
   map.offset_mm = {c[9], c[10], c[11]};
   if (!body.turns) {
     ++counts_.incomplete;
+    return;
+  }
+  if (map.turn == Mat3() && map.offset_mm == Vec3()) {
+    ++counts_.unseen;
     return;
   }
   Mat3 turned = map.turn;

@@ -25,6 +25,7 @@ struct WatchCounts {
   std::uint64_t not_rigid = 0;     ///< not finite, or no rotation: scaled or sheared
   std::uint64_t mirrored = 0;      ///< a rotation of the mirrored body
   std::uint64_t incomplete = 0;    ///< a place without how the body is turned
+  std::uint64_t unseen = 0;        ///< the very identity, which servers send of a body that is out of view
   std::uint64_t late = 0;          ///< more than late_s later than the quickest
   std::uint64_t out_of_order = 0;  ///< not newer than the one before
   std::uint64_t unwell = 0;        ///< messages by which the tracker says that it is not well

@@ -47,7 +47,9 @@ Turning turning_of(const std::vector<RigidMap>& poses) {
   return t;
 }
 
-double degrees(double mean_square) { return std::asin(std::min(1.0, std::sqrt(std::max(0.0, mean_square)))) * 180 / pi; }
+double degrees(double mean_square) {
+  return std::asin(std::min(1.0, std::sqrt(std::max(0.0, mean_square)))) * 180 / pi;
+}
 
 struct Solved {
   Vec3 tip_mm, rest_mm;

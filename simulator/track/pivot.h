@@ -37,8 +37,8 @@ struct PivotTip {
 /// out. Throws Error 80 where the poses are too few or alike, the tip moved, or its error is too large.
 PivotTip pivot_tip(const std::vector<RigidMap>& poses, const PivotParams& params);
 
-/// The direction about which the tool was turned, unit, in the body's frame, from the tip to its tail: the side on which
-/// the body lies. Throws Error 80 where it was not turned about one axis.
+/// The direction about which the tool was turned, unit, in the body's frame, from the tip to its tail: the side on
+/// which the body lies. Throws Error 80 where it was not turned about one axis.
 Vec3 spin_axis(const std::vector<RigidMap>& poses, Vec3 tip_mm);
 
 }  // namespace trephine::track

@@ -8,8 +8,8 @@
 
 namespace trephine::track {
 
-Error no_pose(const TrackerLink& link, const std::string& body, const std::string& reference,
-              const WatchCounts& counts, const std::vector<std::string>& strangers) {
+Error no_pose(const TrackerLink& link, const std::string& body, const std::string& reference, const WatchCounts& counts,
+              const std::vector<std::string>& strangers) {
   std::string why, all;
   for (const std::string& name : strangers) all += (all.empty() ? "" : ", ") + name;
   if (link.foreign_version() != 0)
@@ -24,6 +24,8 @@ Error no_pose(const TrackerLink& link, const std::string& body, const std::strin
     why = "it sends the place of the body alone; a body that shows how it is turned is needed";
   else if (counts.broken > 0)
     why = "its messages are broken: a check sum or a size is wrong";
+  else if (counts.unseen > 0)
+    why = "it sends the identity, as of a body that is out of view; bring it into view";
   else if (counts.late > 0)
     why = "its poses come late; set `tracker_late_ms`, or mend the network";
   else if (!all.empty())

@@ -12,8 +12,8 @@
 namespace trephine::track {
 
 /// Why no pose of a body came, as Error 66 with what to do.
-Error no_pose(const TrackerLink& link, const std::string& body, const std::string& reference,
-              const WatchCounts& counts, const std::vector<std::string>& strangers);
+Error no_pose(const TrackerLink& link, const std::string& body, const std::string& reference, const WatchCounts& counts,
+              const std::vector<std::string>& strangers);
 
 /// Poses of tools before a reference, taken from a tracker one after the other, for calibrations.
 class PoseSource {

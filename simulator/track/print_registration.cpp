@@ -76,7 +76,8 @@ double scale_of(const std::vector<Vec3>& found, const std::vector<lesson::PrintM
   return there > 0 ? here / there : 1;
 }
 
-const Remedy touch_again{"touch the marks again, with the tip on the sphere and no post, and `--marks` for those that break"};
+const Remedy touch_again{
+    "touch the marks again, with the tip on the sphere and no post, and `--marks` for those that break"};
 
 }  // namespace
 
@@ -107,9 +108,10 @@ Vec3 mark_middle(const std::vector<Vec3>& tips, double radius, int number, const
   if (!s) refuse("the touched places say nothing of a sphere");
   if (s->spread_ratio < least_spread_ratio) refuse("only a small part of the sphere was touched");
   if (2 * s->used < tips.size() || s->residual_mm > params.largest_touch_mm)
-    refuse(fmt::format("the touched places lie {:.2f} mm off a sphere of {:g} mm, at most {:g} (largest_touch_mm) are "
-                       "allowed; {} of {} were left out",
-                       s->residual_mm, 2 * radius, params.largest_touch_mm, tips.size() - s->used, tips.size()));
+    refuse(
+        fmt::format("the touched places lie {:.2f} mm off a sphere of {:g} mm, at most {:g} (largest_touch_mm) are "
+                    "allowed; {} of {} were left out",
+                    s->residual_mm, 2 * radius, params.largest_touch_mm, tips.size() - s->used, tips.size()));
   return s->middle_mm;
 }
 
@@ -121,8 +123,9 @@ PrintPlace place_print(const lesson::PrintRecord& print, const std::vector<std::
   const lesson::MarkFit& fit = place.fit;
   if (fit.mirrored_marks > fit.marks || (fit.mirrored_marks >= lesson::least_marks && fit.mirrored_marks == fit.marks &&
                                          fit.residual_mm > fit.mirrored_residual_mm))
-    throw refusal("marks", "their mirror image fits: the tracker's frame is left-handed, or another print was touched",
-                  {"set the server to a right-handed frame, and give the file of the print that lies there by `--print`"});
+    throw refusal(
+        "marks", "their mirror image fits: the tracker's frame is left-handed, or another print was touched",
+        {"set the server to a right-handed frame, and give the file of the print that lies there by `--print`"});
   if (fit.marks < lesson::least_marks) {
     std::vector<lesson::PrintMark> touched;
     for (const std::size_t n : asked) touched.push_back(print.marks[n]);

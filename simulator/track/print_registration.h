@@ -49,10 +49,10 @@ struct PrintPlace {
   std::vector<TrackedTarget> targets;
   std::vector<std::size_t> exchanged;  ///< those that were touched, from 0, of which another mark was asked for
 };
-/// How a print lies before its reference. `asked` and `middles_mm`: the marks that were asked for, by their place in the
-/// record, and where each was found; which mark each really is follows from how they lie. Throws Error 80 where fewer
-/// than four lie as the print's do, their mirror image fits better, the tracker's mm are none, or the errors are too
-/// large; with what to do.
+/// How a print lies before its reference. `asked` and `middles_mm`: the marks that were asked for, by their place in
+/// the record, and where each was found; which mark each really is follows from how they lie. Throws Error 80 where
+/// fewer than four lie as the print's do, their mirror image fits better, the tracker's mm are none, or the errors are
+/// too large; with what to do.
 PrintPlace place_print(const lesson::PrintRecord& print, const std::vector<std::size_t>& asked,
                        const std::vector<Vec3>& middles_mm, const MarkParams& params);
 

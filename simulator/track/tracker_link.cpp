@@ -89,9 +89,7 @@ TrackerLink::~TrackerLink() {
   thread_.join();
 }
 
-std::string TrackerLink::endpoint() const {
-  return params_.tracker_host + ":" + std::to_string(params_.tracker_port);
-}
+std::string TrackerLink::endpoint() const { return params_.tracker_host + ":" + std::to_string(params_.tracker_port); }
 
 // Below 0 where nobody answers.
 int TrackerLink::connected_socket() const {

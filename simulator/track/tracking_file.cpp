@@ -44,9 +44,7 @@ std::string Tracking::fault() const {
   return "";
 }
 
-std::string to_json(const TrackedTool& tool) {
-  return json::declared_json(AnyParams::make<TrackedTool>(tool)) + "\n";
-}
+std::string to_json(const TrackedTool& tool) { return json::declared_json(AnyParams::make<TrackedTool>(tool)) + "\n"; }
 std::string to_json(const Tracking& tracking) {
   return json::declared_json(AnyParams::make<Tracking>(tracking)) + "\n";
 }

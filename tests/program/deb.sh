@@ -27,7 +27,7 @@ version=$(dpkg-deb -f "$deb" Version)
 [[ $("$TREPHINE" --version) == "trephine $version" ]] || fail "version $version"
 [[ $(head -1 "$SOURCE/cmake/debian/changelog") == "trephine ($version) "* ]] || fail "cmake/debian/changelog is not of $version"
 dpkg-deb -f "$deb" Depends >"$work/depends"
-for library in ninja-build gnuplot-nox fonts-dejavu-core libc6 libstdc++6 libfmt libssl libvtk libassimp libgdcm libyaml-cpp libinsighttoolkit libhdf5; do
+for library in ninja-build gnuplot-nox fonts-dejavu-core libc6 libstdc++6 libfmt libssl libvtk libassimp libgdcm libyaml-cpp libinsighttoolkit libhdf5 libopenigtlink; do
   grep -q "$library" "$work/depends" || { cat "$work/depends"; fail "does not depend on $library"; }
 done
 [[ $(dpkg-deb -f "$dev" Depends) == *libfmt-dev* ]] || fail "trephine-dev does not depend on libfmt-dev"
@@ -40,7 +40,7 @@ for page in trephine/{run.md,configuration.schema.json} trephine-sim/play.md; do
   grep -q " \./usr/share/doc/trephine/docs/reference/$page$" "$work/list" || fail "the reference lacks $page"
 done
 ! awk '!/\/$/ { print $6 }' "$work/list" | grep -vxE -e '\./usr/bin/trephine(-sim|-itk|-tetra)?' \
-  -e '\./usr/lib/trephine/(mesh_formats|dicom_codecs|hdf5_writer|force_dimension|open_haptics)\.so' \
+  -e '\./usr/lib/trephine/(mesh_formats|dicom_codecs|hdf5_writer|igtl_messages|force_dimension|open_haptics)\.so' \
   -e '\./usr/lib/trephine/slicer-modules/Trephine(Run|Export|Measure)' \
   -e '\./usr/share/trephine/(trephine\.root|(pipelines|configs|configs/scenes|configs/trade|configs/rubrics|examples/lessons)/[a-z_]+\.(yaml|json)|configs/same_place\.tfm|sample_dicom/slice_[0-9]{4}\.dcm)' \
   -e '\./usr/share/trephine/pipelines/Snakefile' \
@@ -82,7 +82,7 @@ for program in trephine trephine-sim trephine-itk; do
   is_hardened "$root/usr/bin/$program"
   ! grep -aoE "($SOURCE|$BUILD)[ -~]*" "$root/usr/bin/$program" || fail "$program knows where it was built"
 done
-for library in "$root"/usr/lib/trephine/{mesh_formats,dicom_codecs,hdf5_writer}.so; do
+for library in "$root"/usr/lib/trephine/{mesh_formats,dicom_codecs,hdf5_writer,igtl_messages}.so; do
   is_hardened "$library"
   ! grep -aoE "($SOURCE|$BUILD)[ -~]*" "$library" || fail "$library knows where it was built"
 done

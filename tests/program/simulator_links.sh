@@ -5,5 +5,5 @@
 ldd "$TREPHINE" >"$work/libraries"
 grep -q 'libstdc++' "$work/libraries" || fail "ldd says nothing: $(cat "$work/libraries")"
 ! grep 'not found' "$work/libraries" || fail "a library is missing"
-! grep -iE 'lib(itk|gdcm|cgal|yaml-cpp|vtk|gmp|mpfr|assimp|tinygltf|png|hdf5|zip)' "$work/libraries" ||
+! grep -iE 'lib(itk|gdcm|cgal|yaml-cpp|vtk|gmp|mpfr|assimp|tinygltf|png|hdf5|zip|openigtlink)' "$work/libraries" ||
   fail "the simulator loads these"

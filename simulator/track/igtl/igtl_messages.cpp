@@ -50,8 +50,7 @@ GIVEN void trephine_igtl_header(const std::uint8_t* bytes, IgtlHeader* out) {
   out->crc = h.crc;
 }
 
-GIVEN void trephine_igtl_content(const IgtlHeader* header, const std::uint8_t* body,
-                                                                  IgtlContent* out) {
+GIVEN void trephine_igtl_content(const IgtlHeader* header, const std::uint8_t* body, IgtlContent* out) {
   out->fault = IgtlFault::none;
   out->count = 0;
   out->status = 1;

@@ -9,7 +9,7 @@
 namespace trephine::track {
 
 constexpr std::size_t igtl_header_bytes = 58, igtl_type_bytes = 13, igtl_name_bytes = 21;
-constexpr int igtl_most_bodies = 64;           ///< of one TDATA
+constexpr int igtl_most_bodies = 64;             ///< of one TDATA
 constexpr std::size_t igtl_ask_bytes = 58 + 36;  ///< of STT_TDATA
 
 /// Texts end with 0.
