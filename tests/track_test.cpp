@@ -140,6 +140,34 @@ TEST(TrackMessages, ARequestIsTheLibrarys) {
   EXPECT_TRUE(message->Unpack(1) & igtl::MessageHeader::UNPACK_BODY) << "its check sum is wrong";
 }
 
+// Messages that are damaged anywhere, in pieces of any size: whatever is taken is a pose.
+TEST(TrackMessages, DamagedOnesAreNoPoses) {
+  Random random(11);
+  const Bytes whole =
+      joined({transform("Drill", a_map(), 1), status(1, 1), tdata({{"Drill", a_map()}, {"Head", a_map()}}, 2)});
+  std::uint64_t taken = 0;
+  for (int n = 0; n < 20000; ++n) {
+    Bytes bytes = whole;
+    for (int k = int(random(1, 5)); k > 0; --k)
+      bytes[std::size_t(random(0, double(bytes.size())))] = std::uint8_t(random(0, 256));
+    if (random() < 0.3) bytes.resize(std::size_t(random(1, double(bytes.size()))));
+    BodyWatch watch({{"Drill"}, ""}, [&](int, const RigidMap& map, double) {
+      ++taken;
+      EXPECT_TRUE(is_rotation(map.turn, 2e-3) && is_finite(map.offset_mm));
+      EXPECT_LT(norm(map.offset_mm - a_map().offset_mm), 1e-3) << "a damaged pose passes its check sum";
+    });
+    MessageStream stream;
+    for (std::size_t at = 0; at < bytes.size();) {
+      const std::size_t piece = std::min(bytes.size() - at, std::size_t(random(1, 300)));
+      if (!stream.feed(bytes.data() + at, piece,
+                       [&](const IgtlHeader& h, const IgtlContent& c) { watch.take(h, c, 1); }))
+        break;
+      at += piece;
+    }
+  }
+  EXPECT_GT(taken, 1000u);
+}
+
 /// Two tools and a reference that are watched; what was found.
 struct Watch {
   struct Found {

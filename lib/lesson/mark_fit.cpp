@@ -55,7 +55,8 @@ Matching matched(const std::vector<Vec3>& marks, const std::vector<Vec3>& found,
 
 }  // namespace
 
-MarkFit fit_marks(const std::vector<PrintMark>& marks, const std::vector<Vec3>& found, const MarkTolerance& tolerance) {
+MarkFit match_marks(const std::vector<PrintMark>& marks, const std::vector<Vec3>& found,
+                    const MarkTolerance& tolerance) {
   std::vector<Vec3> known, mirror;
   for (const PrintMark& m : marks) {
     known.push_back(m.case_mm);

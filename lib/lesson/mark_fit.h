@@ -27,7 +27,7 @@ struct MarkTolerance {
 };
 /// The largest set of places that lie to each other as the marks do, whatever their order. `marks` is 0 where no three
 /// do.
-MarkFit fit_marks(const std::vector<PrintMark>& marks, const std::vector<Vec3>& found,
-                  const MarkTolerance& tolerance = {});
+MarkFit match_marks(const std::vector<PrintMark>& marks, const std::vector<Vec3>& found,
+                    const MarkTolerance& tolerance = {});
 
 }  // namespace trephine::lesson

@@ -152,7 +152,7 @@ std::vector<FoundSphere> find_spheres(const ScanView& scan, double radius_mm, co
 MarkFit fit_marks(const std::vector<print::PrintMark>& marks, const std::vector<FoundSphere>& spheres) {
   std::vector<Vec3> found;
   for (const FoundSphere& s : spheres) found.push_back(s.at_mm);
-  return lesson::fit_marks(marks, found);
+  return lesson::match_marks(marks, found);
 }
 
 }  // namespace trephine::outcome

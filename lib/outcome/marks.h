@@ -23,7 +23,7 @@ std::vector<FoundSphere> find_spheres(const ScanView& scan, double radius_mm, co
 
 using lesson::least_marks;
 using lesson::MarkFit;
-/// lesson::fit_marks of the spheres' middles.
+/// lesson::match_marks of the spheres' middles.
 MarkFit fit_marks(const std::vector<print::PrintMark>& marks, const std::vector<FoundSphere>& spheres);
 
 }  // namespace trephine::outcome

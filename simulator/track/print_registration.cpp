@@ -119,7 +119,7 @@ PrintPlace place_print(const lesson::PrintRecord& print, const std::vector<std::
                        const std::vector<Vec3>& middles, const MarkParams& params) {
   PrintPlace place;
   const double most = 2 * params.largest_marks_mm;
-  place.fit = lesson::fit_marks(print.marks, middles, {most, most});
+  place.fit = lesson::match_marks(print.marks, middles, {most, most});
   const lesson::MarkFit& fit = place.fit;
   if (fit.mirrored_marks > fit.marks || (fit.mirrored_marks >= lesson::least_marks && fit.mirrored_marks == fit.marks &&
                                          fit.residual_mm > fit.mirrored_residual_mm))

@@ -62,6 +62,7 @@ std::vector<std::pair<std::string, std::uint64_t>> TrackedDevice::counts() const
 }
 
 void TrackedDevice::found(int tool, const RigidMap& tool_to_reference, double now_s) {
+  seen_ = true;
   if (tool != wanted_.load(std::memory_order_relaxed)) return;
   const TrackedTool& is = tracking_.tools[std::size_t(tool)];
   Pose pose;
@@ -70,7 +71,6 @@ void TrackedDevice::found(int tool, const RigidMap& tool_to_reference, double no
   pose.axis = normalized(reference_to_case_.turn * (tool_to_reference.turn * is.axis));
   pose.at_s = now_s;
   poses_.write(pose);
-  seen_ = true;
 }
 
 bool TrackedDevice::read(double, device::DeviceReading& out) {

@@ -28,7 +28,7 @@ class TrackedDevice : public device::Device {
   /// The thread of the messages calls these.
   void take(const IgtlHeader& header, const IgtlContent& content);
   void begin_anew();
-  /// Whether the first tool was seen; the body by which it is; what came so far, and names of bodies that are others.
+  /// Whether a tool was seen; the body of the first one in hand; what came so far, and names of bodies that are others.
   bool seen() const { return seen_; }
   const std::string& first_body() const { return tracking_.tools[std::size_t(body_of_.front())].body; }
   const std::string& reference() const { return tracking_.reference; }
