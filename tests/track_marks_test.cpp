@@ -75,6 +75,11 @@ TEST(TrackMarks, WhatIsBesideTheSphereIsLeftOut) {
   ASSERT_TRUE(s);
   EXPECT_LT(norm(s->middle_mm - t.case_to_reference(m.case_mm)), 0.15);
   EXPECT_LE(s->used, 125u);
+  for (int n = 0; n < 60; ++n)  // still at the mark before
+    tips[std::size_t(n)] = t.case_to_reference(on_mark(a_print().marks[1], n, 60));
+  const auto second = track::touched_sphere(tips, 5);
+  ASSERT_TRUE(second);
+  EXPECT_LT(norm(second->middle_mm - t.case_to_reference(m.case_mm)), 0.2);
 }
 
 TEST(TrackMarks, TooLittleOfASphereAndNoSphereAreRefused) {

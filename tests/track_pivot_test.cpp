@@ -86,6 +86,8 @@ TEST(TrackPivot, ASlipIsLeftOut) {
   EXPECT_LT(tip.outliers, 60u);
   EXPECT_LT(norm(tip.tip_mm - t.tip_mm), without + 0.1);
   EXPECT_LT(tip.residual_mm, 0.5);
+  for (int n = 0; n < 45; ++n) poses[std::size_t(n)].offset_mm += {300, -200, 100};  // it was on its way there
+  EXPECT_LT(norm(pivot_tip(poses, {}).tip_mm - t.tip_mm), without + 0.1);
 }
 
 TEST(TrackPivot, ANarrowConeASlidingTipAndFewPosesAreRefused) {

@@ -153,7 +153,7 @@ void check_tools(track::PoseSource& source, const std::vector<track::TrackedTool
                     fmt::format("{} is {:.1f} mm off the nearest mark, at most {:g} (largest_check_mm) are allowed: a "
                                 "body has moved on its tool or on the print, or two bodies were exchanged",
                                 printable(tools[n].body), off, params.largest_check_mm),
-                    {"fix the bodies, calibrate with `track pivot`, and register the print again"});
+                    {"fix the bodies, find the tip of each `tool_body` again, and register the print again"});
   }
 }
 

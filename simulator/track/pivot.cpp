@@ -75,14 +75,37 @@ std::vector<double> off_of(const std::vector<RigidMap>& poses, const Solved& s) 
   return off;
 }
 
+std::vector<RigidMap> without_part(const std::vector<RigidMap>& poses, std::size_t part) {
+  std::vector<RigidMap> others;
+  for (std::size_t n = 0; n < poses.size(); ++n)
+    if (n * parts / poses.size() != part) others.push_back(poses[n]);
+  return others;
+}
+
+// Of all poses, or of all without one part of the time, what most of them agree with: a part may be gross.
+Solved begin_of(const std::vector<RigidMap>& poses) {
+  Solved best;
+  double least = 1e300;
+  for (std::size_t part = 0; part <= parts; ++part) {
+    const Solved s = solve(without_part(poses, part));
+    std::vector<double> off = off_of(poses, s);
+    const auto middle = off.begin() + std::ptrdiff_t(off.size() / 2);
+    std::nth_element(off.begin(), middle, off.end());
+    if (*middle < least) least = *middle, best = s;
+  }
+  return best;
+}
+
 }  // namespace
 
 PivotTip pivot_tip(const std::vector<RigidMap>& poses, const PivotParams& params) {
-  const Remedy again{"rest the tip in a small hollow that does not move, and tilt the tool slowly to all sides"};
+  const Remedy again{
+      "rest the tip in a small hollow that does not move, and tilt the tool slowly to all sides, for more "
+      "`pivot_poses`"};
   if (poses.size() < least_poses)
     throw refusal("tip", fmt::format("{} poses were given, at least {} are needed", poses.size(), least_poses), again);
   std::vector<RigidMap> used = poses;
-  Solved s = solve(used);
+  Solved s = begin_of(poses);
   for (int round = 0; round < rounds; ++round) {
     const std::vector<RigidMap> kept = inliers(poses, off_of(poses, s), least_scale_mm);
     const bool same = kept.size() == used.size() && round > 0;
@@ -104,7 +127,7 @@ PivotTip pivot_tip(const std::vector<RigidMap>& poses, const PivotParams& params
                   fmt::format("the tool was turned by {:.1f} degrees about its tip, at least {:g} (least_spread_deg) "
                               "are needed",
                               tip.spread_deg, params.least_spread_deg),
-                  {"tilt it farther, by 30 degrees to all sides, with the tip in its hollow"});
+                  {"tilt it farther, by 30 degrees to all sides, with the tip in its hollow, for all `pivot_poses`"});
   if (double(tip.outliers) > most_outliers * double(poses.size()) || !(tip.residual_mm <= params.largest_pivot_mm))
     throw refusal("tip",
                   fmt::format("the tip was off its place by {:.2f} mm, at most {:g} (largest_pivot_mm) are allowed; {} "
@@ -114,10 +137,7 @@ PivotTip pivot_tip(const std::vector<RigidMap>& poses, const PivotParams& params
   // Parts of the time, for neighbours err alike.
   double around = 0;
   for (std::size_t part = 0; part < parts; ++part) {
-    std::vector<RigidMap> others;
-    for (std::size_t n = 0; n < used.size(); ++n)
-      if (n * parts / used.size() != part) others.push_back(used[n]);
-    const Vec3 off = solve(others).tip_mm - tip.tip_mm;
+    const Vec3 off = solve(without_part(used, part)).tip_mm - tip.tip_mm;
     around += dot(off, off);
   }
   tip.tip_error_mm = std::sqrt(around * double(parts - 1) / double(parts));
@@ -130,7 +150,8 @@ PivotTip pivot_tip(const std::vector<RigidMap>& poses, const PivotParams& params
 }
 
 Vec3 spin_axis(const std::vector<RigidMap>& poses, Vec3 tip_mm) {
-  const Remedy again{"leave the tip in its hollow and turn the tool about its own axis, by half a turn or more"};
+  const Remedy again{
+      "leave the tip in its hollow and turn the tool about its own axis, by half a turn or more, for all `spin_poses`"};
   if (poses.size() < least_poses)
     throw refusal("axis", fmt::format("{} poses were given, at least {} are needed", poses.size(), least_poses), again);
   const auto axes = symmetric_eigen<3>(turning_of(poses).moves);

@@ -40,6 +40,23 @@ Vec3 rough_middle(const std::vector<Vec3>& places) {
   return out;
 }
 
+// Without what cannot be of one sphere with the most of them, such as places on the way to it.
+std::vector<Vec3> together(const std::vector<Vec3>& places, double radius) {
+  constexpr double slack_mm = 4;
+  Vec3 median;
+  for (int a = 0; a < 3; ++a) {
+    std::vector<double> sorted;
+    sorted.reserve(places.size());
+    for (const Vec3 p : places) sorted.push_back(p[a]);
+    std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
+    median[a] = sorted[sorted.size() / 2];
+  }
+  std::vector<Vec3> kept;
+  for (const Vec3 p : places)
+    if (norm(p - median) < 2 * radius + slack_mm) kept.push_back(p);
+  return kept;
+}
+
 std::vector<double> off_of(const std::vector<Vec3>& places, Vec3 middle, double radius) {
   std::vector<double> off;
   off.reserve(places.size());
@@ -76,12 +93,14 @@ double scale_of(const std::vector<Vec3>& found, const std::vector<lesson::PrintM
   return there > 0 ? here / there : 1;
 }
 
+// Names of parameters stand in backticks, as a test reads them.
 const Remedy touch_again{
-    "touch the marks again, with the tip on the sphere and no post, and `--marks` for those that break"};
+    "touch the marks again, with the tip on the sphere and not on its post; `marks` names those that are whole"};
 
 }  // namespace
 
-std::optional<TouchedSphere> touched_sphere(const std::vector<Vec3>& places, double radius) {
+std::optional<TouchedSphere> touched_sphere(const std::vector<Vec3>& all, double radius) {
+  const std::vector<Vec3> places = together(all, radius);
   if (places.size() < least_touches) return {};
   std::vector<Vec3> used = places;
   TouchedSphere s;
@@ -102,7 +121,8 @@ std::optional<TouchedSphere> touched_sphere(const std::vector<Vec3>& places, dou
 Vec3 mark_middle(const std::vector<Vec3>& tips, double radius, int number, const MarkParams& params) {
   const auto refuse = [&](const std::string& what) {
     throw refusal("marks", fmt::format("mark {}: {}", number, what),
-                  {"slide the tip over all of the sphere that can be reached, and lift it never"});
+                  {"slide the tip over all of the sphere that can be reached without lifting it, or leave that one out "
+                   "of `marks`"});
   };
   const std::optional<TouchedSphere> s = touched_sphere(tips, radius + 0.5 * params.tip_ball_mm);
   if (!s) refuse("the touched places say nothing of a sphere");
@@ -123,9 +143,9 @@ PrintPlace place_print(const lesson::PrintRecord& print, const std::vector<std::
   const lesson::MarkFit& fit = place.fit;
   if (fit.mirrored_marks > fit.marks || (fit.mirrored_marks >= lesson::least_marks && fit.mirrored_marks == fit.marks &&
                                          fit.residual_mm > fit.mirrored_residual_mm))
-    throw refusal(
-        "marks", "their mirror image fits: the tracker's frame is left-handed, or another print was touched",
-        {"set the server to a right-handed frame, and give the file of the print that lies there by `--print`"});
+    throw refusal("marks", "their mirror image fits: the tracker's frame is left-handed, or another print was touched",
+                  {"set the server to a right-handed frame, or give the print that lies there; `marks` names those "
+                   "that are touched"});
   if (fit.marks < lesson::least_marks) {
     std::vector<lesson::PrintMark> touched;
     for (const std::size_t n : asked) touched.push_back(print.marks[n]);
@@ -169,7 +189,7 @@ PrintPlace place_print(const lesson::PrintRecord& print, const std::vector<std::
                   fmt::format("the expected error where the procedure aims is {:.2f} mm, at most {:g} "
                               "(largest_target_mm) are allowed",
                               place.target_error_mm, params.largest_target_mm),
-                  {"touch more marks, all around the head (`--marks`)"});
+                  {"touch more `marks`, all around the head"});
   return place;
 }
 

@@ -7,7 +7,7 @@
 python3 - "$TREPHINE" "$work/reference/parameters.schema.json" <<'PY'
 import json, subprocess, sys
 program, schema = sys.argv[1:]
-groups = ("library",)
+groups = ("library", "track")
 flags = 0
 for name, command in json.load(open(schema))["$defs"].items():
     words = name.replace("-", " ", 1).split() if name.split("-")[0] in groups else [name]
