@@ -126,9 +126,9 @@ TEST(TrackMarks, ThePrintIsWhereItIs) {
 TEST(TrackMarks, TheExpectedErrorIsThatOfManyTries) {
   const Theatre t;
   const lesson::PrintRecord print = a_print();
-  const Vec3 target = print.targets[0].case_mm;
+  const Vec3 target = print.targets[0].case_mm, far{30, 60, -160};
   for (const double noise : {0.1, 0.2, 0.3}) {
-    double off = 0, formula = 0, left_out = 0, residual = 0, tip_off = 0;
+    double off = 0, formula = 0, left_out = 0, residual = 0, tip_off = 0, far_off = 0, far_formula = 0;
     constexpr int tries = 40;
     for (int n = 0; n < tries; ++n) {
       Random random{std::uint64_t(900 + n)};
@@ -143,6 +143,9 @@ TEST(TrackMarks, TheExpectedErrorIsThatOfManyTries) {
       const PrintPlace place = place_print(print, every(print), middles(t, print, noise, random, tip), {});
       const Vec3 d = place.reference_to_case(t.case_to_reference(target)) - target;
       off += dot(d, d) / tries;
+      const Vec3 e = place.reference_to_case(t.case_to_reference(far)) - far;
+      far_off += dot(e, e) / tries;
+      far_formula += place.fit.error_mm(far) * place.fit.error_mm(far) / tries;
       formula += place.targets[0].error_mm * place.targets[0].error_mm / tries;
       left_out += place.targets[0].left_out_mm * place.targets[0].left_out_mm / tries;
       residual += place.fit.residual_mm * place.fit.residual_mm / tries;
@@ -154,6 +157,7 @@ TEST(TrackMarks, TheExpectedErrorIsThatOfManyTries) {
     EXPECT_LT(off, 0.5);
     EXPECT_LT(off, 1.4 * std::max(formula, left_out)) << noise;
     EXPECT_GT(off, 0.5 * std::max(formula, left_out)) << noise;
+    EXPECT_NEAR(std::sqrt(far_formula), std::sqrt(far_off), 0.4 * std::sqrt(far_off)) << "far from the marks";
   }
 }
 

@@ -103,16 +103,19 @@ TEST(TrackPivot, ANarrowConeASlidingTipAndFewPosesAreRefused) {
 }
 
 TEST(TrackPivot, TheAxisIsThatOfTheTurn) {
-  const Theatre t;
-  for (const double noise : {0.0, 0.3}) {
-    Random random(9);
-    const Vec3 axis = track::spin_axis(spun(t, 200, 100, noise, random), t.tip_mm);
-    EXPECT_NEAR(norm(axis), 1, 1e-9);
-    EXPECT_LT(std::acos(std::min(1.0, dot(axis, t.axis))) * 180 / pi, 0.5) << noise;  // with its sign: to the tail
-  }
+  Theatre below, above;  // of the tip the body lies where the tail is
+  above.tip_mm = {3, -2, 151};
+  above.axis = -above.axis;
+  for (const Theatre& t : {below, above})
+    for (const double noise : {0.0, 0.3}) {
+      Random random(9);
+      const Vec3 axis = track::spin_axis(spun(t, 200, 100, noise, random), t.tip_mm);
+      EXPECT_NEAR(norm(axis), 1, 1e-9);
+      EXPECT_LT(std::acos(std::min(1.0, dot(axis, t.axis))) * 180 / pi, 0.5) << noise;  // with its sign: to the tail
+    }
   Random random(9);
-  EXPECT_EQ(code_of([&] { track::spin_axis(tilted(t, 200, 30, 0, random), t.tip_mm); }), ExitCode::quality);
-  EXPECT_EQ(code_of([&] { track::spin_axis(spun(t, 200, 10, 0, random), t.tip_mm); }), ExitCode::quality);
+  EXPECT_EQ(code_of([&] { track::spin_axis(tilted(below, 200, 30, 0, random), below.tip_mm); }), ExitCode::quality);
+  EXPECT_EQ(code_of([&] { track::spin_axis(spun(below, 200, 10, 0, random), below.tip_mm); }), ExitCode::quality);
 }
 
 }  // namespace
