@@ -5,12 +5,14 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <fstream>
 #include <sstream>
 
 #include "haptics/burrs.h"
 #include "haptics/tool_belt.h"
 #include "haptics_tools.h"
+#include "session/force_figures.h"
 #include "session/playback.h"
 #include "session/recording_text.h"
 
@@ -161,6 +163,28 @@ TEST(SessionHand, ExportsNameTheToolInHand) {
   EXPECT_NE(session::recording_plot(r).find("ball6"), std::string::npos);
   r.frames.resize(4);
   EXPECT_EQ(session::recording_plot(r).find("ball6"), std::string::npos) << "which was never in the hand";
+}
+
+// The two ticks about a jump of the force are anomalies, and the plot has them on the path.
+TEST(SessionHand, AnomaliesOfTheForceAreOnThePath) {
+  haptics::Recording r;
+  for (int n = 0; n < 3000; ++n) {
+    haptics::ServoFrame f;
+    f.tick = std::uint64_t(n);
+    f.time_s = 0.001 * (n + 1);
+    f.dt_s = 0.001;
+    f.touched = 1;
+    f.tip_mm[0] = 0.01 * n;
+    f.force_n[2] = 1 + 0.01 * std::sin(0.02 * n) + (n >= 2000 ? 0.5 : 0);
+    r.frames.push_back(f);
+  }
+  EXPECT_EQ(session::force_anomalies(r.frames, session::force_window(r.frames)),
+            (std::vector<std::size_t>{1999, 2000}));
+  const std::string plot = session::recording_plot(r);
+  EXPECT_NE(plot.find("$anomalies << END\n2.000000 19.99 0 0\n"), std::string::npos) << plot.substr(0, 200);
+  EXPECT_NE(plot.find("anomaly of the force"), std::string::npos);
+  for (haptics::ServoFrame& f : r.frames) f.force_n[2] = 1;
+  EXPECT_EQ(session::recording_plot(r).find("anomal"), std::string::npos) << "there are none";
 }
 
 // A hand that comes back from a pause within a shape waits there, and its commands do nothing; what was cut before says

@@ -14,7 +14,39 @@ namespace {
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
+// The derivative of the force's size by central differences, for all frames of the window but its first and last.
+struct Slopes {
+  std::vector<double> n_per_s;
+  double mean = 0, sigma = 0;
+  bool is_anomaly(std::size_t n) const { return std::abs(n_per_s[n] - mean) > 10 * sigma; }
+};
+
+Slopes slopes_of(const std::vector<ServoFrame>& frames, const ForceWindow& window) {
+  Slopes out;
+  const auto size = [&](std::size_t n) { return norm(vec(frames[n].force_n)); };
+  for (std::size_t n = window.begin + 1; n + 1 < window.end; ++n)
+    out.n_per_s.push_back((size(n + 1) - size(n - 1)) / (2 * frames[n].dt_s));
+  double square = 0;
+  for (const double s : out.n_per_s) out.mean += s / double(out.n_per_s.size());
+  for (const double s : out.n_per_s) square += (s - out.mean) * (s - out.mean) / double(out.n_per_s.size());
+  out.sigma = std::sqrt(square);
+  return out;
+}
+
+bool is_empty(const std::vector<ServoFrame>& frames, const ForceWindow& window) {
+  return window.begin >= window.end || window.end > frames.size();
+}
+
 }  // namespace
+
+std::vector<std::size_t> force_anomalies(const std::vector<ServoFrame>& frames, const ForceWindow& window) {
+  std::vector<std::size_t> places;
+  if (is_empty(frames, window)) return places;
+  const Slopes slopes = slopes_of(frames, window);
+  for (std::size_t n = 0; n < slopes.n_per_s.size(); ++n)
+    if (slopes.is_anomaly(n)) places.push_back(window.begin + 1 + n);
+  return places;
+}
 
 ForceWindow force_window(const std::vector<ServoFrame>& frames, double settle_s) {
   std::size_t first = 0;
@@ -25,9 +57,9 @@ ForceWindow force_window(const std::vector<ServoFrame>& frames, double settle_s)
 
 ForceFigures force_figures(const std::vector<ServoFrame>& frames, const ForceWindow& window) {
   ForceFigures f;
-  if (window.begin >= window.end || window.end > frames.size()) return f;
+  if (is_empty(frames, window)) return f;
   const std::size_t first = window.begin, last = window.end - 1;
-  std::vector<double> size, slope;
+  std::vector<double> size;
   double lag = 0;
   for (std::size_t n = first; n <= last; ++n) {
     const ServoFrame& a = frames[n];
@@ -48,16 +80,10 @@ ForceFigures force_figures(const std::vector<ServoFrame>& frames, const ForceWin
   f.zero_force_ratio /= double(f.frames);
   f.mean_force_n /= double(f.frames);
   f.mean_lag_mm = f.touching > 0 ? lag / double(f.touching) : 0;
-  for (std::size_t n = 1; n + 1 < size.size(); ++n)
-    slope.push_back((size[n + 1] - size[n - 1]) / (2 * frames[first + n].dt_s));
-  if (slope.empty()) return f;
-  double mean = 0, square = 0;
-  for (const double s : slope) mean += s / double(slope.size());
-  for (const double s : slope) square += (s - mean) * (s - mean) / double(slope.size());
-  f.sigma_n_per_s = std::sqrt(square);
-  const auto out =
-      std::count_if(slope.begin(), slope.end(), [&](double s) { return std::abs(s - mean) > 10 * f.sigma_n_per_s; });
-  f.anomaly_ratio = double(out) / double(slope.size());
+  const Slopes slopes = slopes_of(frames, window);
+  if (slopes.n_per_s.empty()) return f;
+  f.sigma_n_per_s = slopes.sigma;
+  f.anomaly_ratio = double(force_anomalies(frames, window).size()) / double(slopes.n_per_s.size());
   return f;
 }
 

@@ -26,5 +26,7 @@ struct ForceWindow {
 ForceWindow force_window(const std::vector<haptics::ServoFrame>& frames, double settle_s = 0.5);
 /// The figures of the window; all are zero where it is empty.
 ForceFigures force_figures(const std::vector<haptics::ServoFrame>& frames, const ForceWindow& window);
+/// The frames that anomaly_ratio counts [Rizzi, Table III], by their places in `frames`.
+std::vector<std::size_t> force_anomalies(const std::vector<haptics::ServoFrame>& frames, const ForceWindow& window);
 
 }  // namespace trephine::session

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/gnuplot.h"
+#include "session/force_figures.h"
 #include "session/hand_watch.h"
 #include "session/recording_text.h"
 
@@ -45,6 +46,20 @@ std::string events_of(const Recording& r, std::string& tics, int& rows) {
   add(haptics::haptic_fault::names, haptics::haptic_fault::count, true);
   if (rows == 0) data += fmt::format("{:.6f} 0 1\n", r.frames.front().time_s);
   return data + "END\n";
+}
+
+// Where the force is an anomaly, as marks on the path [Rizzi, figures 13 to 16]; marks nearer than a pixel are one.
+std::string anomalies_of(const Recording& r, const double* first) {
+  std::string data;
+  double last = -1e300;
+  for (const std::size_t n : force_anomalies(r.frames, force_window(r.frames))) {
+    const ServoFrame& f = r.frames[n];
+    if (f.time_s - last < (r.frames.back().time_s - r.frames.front().time_s) / double(max_pieces)) continue;
+    last = f.time_s;
+    data += fmt::format("{:.6f} {:.6g} {:.6g} {:.6g}\n", f.time_s, finite(f.tip_mm[0] - first[0]),
+                        finite(f.tip_mm[1] - first[1]), finite(f.tip_mm[2] - first[2]));
+  }
+  return data;
 }
 
 // The tool in hand as bars.
@@ -89,7 +104,13 @@ std::string recording_plot(const Recording& r) {
     place += fmt::format("{:.6f} {:.6g} {:.6g} {:.6g}\n", f.time_s, finite(f.tip_mm[0] - first[0]),
                          finite(f.tip_mm[1] - first[1]), finite(f.tip_mm[2] - first[2]));
   }
-  std::string tics, objects;
+  std::string tics, objects, marks;
+  if (const std::string anomalies = anomalies_of(r, first); !anomalies.empty()) {
+    place += "END\n$anomalies << END\n" + anomalies;
+    for (int axis = 2; axis <= 4; ++axis)
+      marks += fmt::format(", $anomalies using 1:{} with points pt 3 lc rgb '#cc0000' {}", axis,
+                           axis == 2 ? "title 'anomaly of the force'" : "notitle");
+  }
   int rows = 0;
   const std::string events = events_of(r, tics, rows), tools = tools_of(r, objects);
   return force + "END\n" + place + "END\n" + events +
@@ -104,8 +125,8 @@ std::string recording_plot(const Recording& r) {
              "using 1:3 with lines lc rgb '{0}' title 'size'{1}\nunset object\n"
              "set ylabel 'tip from its begin, mm'\nset yrange [*:*]\n"
              "plot $place using 1:2 with lines lc rgb '{0}' title 'to the left', $place using 1:3 with lines lc "
-             "rgb '{2}' title 'to the back', $place using 1:4 with lines lc rgb '{3}' title 'to the head'\n",
-             gnuplot_colour(0), tools, gnuplot_colour(1), gnuplot_colour(2)) +
+             "rgb '{2}' title 'to the back', $place using 1:4 with lines lc rgb '{3}' title 'to the head'{4}\n",
+             gnuplot_colour(0), tools, gnuplot_colour(1), gnuplot_colour(2), marks) +
          fmt::format(
              "set ylabel ''\nset xlabel 'time, s'\nset yrange [0.5:{}.5]\nset ytics noenhanced ({})\nset key "
              "off\nset palette defined (1 '#0072b2', 2 '#d55e00')\nset cbrange [1:2]\nunset colorbox\n"
