@@ -114,6 +114,12 @@ inline bool keeps_contact(const ServoRow& row) { return row.times.touching_ratio
 const ServoRow* servo_of(const Comparison& c, const std::string& algorithm, bool largest);
 const ClientRow* client_of(const Comparison& c, const std::string& algorithm, bool largest);
 
+/// What speaks against an algorithm, a phrase each [Rizzi, Table IV]: ticks above 1 ms or that grow with the polygons,
+/// anomalies of the force and frames without, walls that are poked through, time of the client thread.
+std::vector<std::string> issues_of(const Comparison& comparison, const std::string& algorithm);
+/// Of all algorithms, as a table of Markdown.
+std::string issue_table(const Comparison& comparison);
+
 /// servo.csv, forces.csv, client.csv, falls.csv, meshes.csv, compare.json, compare.md, and the figures as .png and .svg
 /// by gnuplot. Throws as write_file does; without gnuplot it warns, and the page has no pictures.
 void write_comparison(const Comparison& comparison, const std::filesystem::path& out, const std::string& version);

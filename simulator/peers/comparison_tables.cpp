@@ -248,6 +248,7 @@ std::string comparison_page(const Comparison& c, const std::vector<std::string>&
   text += table_head({"where", "claim", "here", ""});
   for (const Claim& claim : claims_of(c))
     text += fmt::format("| {} | {} | {} | **{}** |\n", claim.where, claim.claim, claim.here, name_of(claim.verdict));
+  text += "\n## Issues of each algorithm (Table IV)\n\n" + issue_table(c);
   text +=
       "\n## Servo loop\n\nTime of a tick in us: mean / median / p99, by polygons. In brackets: it touched in less than "
       "nine ticks of ten, so that most of these are ticks without contact; they are in no figure and no claim. Below "

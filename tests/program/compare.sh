@@ -20,7 +20,9 @@ head -1 "$work/out/forces.csv" | grep -q 'anomaly_ratio,zero_force_ratio,most_st
   fail "the coefficient stands alone"
 grep -q '^ours,plate of 0.5 mm,1,10,0$' "$work/out/falls.csv" || fail "ours falls: $(grep ^ours "$work/out/falls.csv")"
 
-# The page says what was measured, and what was not.
+# The page says what was measured, and what was not; and of each algorithm what speaks against it.
+grep -q '^| Trephine | none observed |$' "$work/out/compare.md" || fail "issues of ours: $(grep '^| Trephine ' "$work/out/compare.md")"
+grep -q '^| scalar surface (VHTK) | .*thin walls are poked through ([0-9]* of 60)' "$work/out/compare.md" || fail "no issues by algorithm"
 grep -q 'The peers are historical: .* CHAI3D itself is not among them here' "$work/out/compare.md" || fail "the peers' age"
 grep -q 'IR gives smooth forces in all cases.*too few hands to decide' "$work/out/compare.md" || fail "few hands settle what is rare"
 grep -q 'CHAI3D takes more than 1 ms .*not measured' "$work/out/compare.md" || fail "CHAI3D is claimed"
