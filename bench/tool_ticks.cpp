@@ -2,6 +2,8 @@
 // CPU time of a haptic tick of every tool in holes of 3, 5 and 8 mm, voxels of 0.4 mm: pushed in, moved and turned
 // about at random against the walls, drawn out. The clock's own reading is taken off.
 //   bench_tool_ticks [SESSIONS [TOOL...]]     (of each tool in each hole, of about 500 ticks; 20 by default, all tools)
+//   bench_tool_ticks plate [SESSIONS [TOOL...]]   (the same with a plate of 20,000 triangles on the bone, felt as a
+//   mesh)
 // Each session is run three times, and the shortest time of a tick counts: equal inputs give equal work, and what else
 // the machine does only adds to it.
 #include <time.h>
@@ -13,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "haptics_tools.h"
+#include "touch_meshes.h"
 
 using namespace trephine;
 using namespace trephine::tools;
@@ -42,12 +44,38 @@ double between(std::mt19937_64& rng, double from, double to) {
   return from + (to - from) * double(rng() >> 11) * 0x1p-53;
 }
 
-// Bone below the plane z = 4, with a hole down to z = -8.
-voxel::HapticVolume block(double hole_mm) {
+// Bone below that plane, with a hole down to z = -8.
+voxel::HapticVolume block(double hole_mm, double top_mm) {
   voxel::HapticVolume v = empty(70, {voxel_mm, voxel_mm, voxel_mm});
   fill_wide(v, 1,
             [&](Vec3 p) { return std::min(top_mm - p.z, std::max(std::hypot(p.x, p.y) - hole_mm / 2, -8 - p.z)); });
   return v;
+}
+
+// A round plate of 1 mm on the bone, 28 mm wide, with the same hole.
+surface::TriMesh plate(double hole_mm) {
+  constexpr int rings = 48, around = 102;
+  surface::TriMesh m;
+  const auto at = [&](int side, int r, int a) { return std::uint32_t((side * (rings + 1) + r) * around + a % around); };
+  for (int side = 0; side < 2; ++side)
+    for (int r = 0; r <= rings; ++r)
+      for (int a = 0; a < around; ++a) {
+        const double radius = hole_mm / 2 + (14 - hole_mm / 2) * r / rings, turn = 2 * M_PI * a / around;
+        m.points_mm.push_back({radius * std::cos(turn), radius * std::sin(turn), top_mm + 0.01 + side});
+      }
+  const auto square = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+    m.triangles.push_back({a, b, c});
+    m.triangles.push_back({a, c, d});
+  };
+  for (int a = 0; a < around; ++a) {
+    for (int r = 0; r < rings; ++r) {
+      square(at(1, r, a), at(1, r + 1, a), at(1, r + 1, a + 1), at(1, r, a + 1));
+      square(at(0, r, a), at(0, r, a + 1), at(0, r + 1, a + 1), at(0, r + 1, a));
+    }
+    square(at(0, 0, a), at(1, 0, a), at(1, 0, a + 1), at(0, 0, a + 1));
+    square(at(0, rings, a), at(0, rings, a + 1), at(1, rings, a + 1), at(1, rings, a));
+  }
+  return m;
 }
 
 std::vector<haptics::HapticInput> session_of(std::mt19937_64& rng) {
@@ -74,11 +102,19 @@ struct Times {
   double at(double share) const { return us[std::min(us.size() - 1, std::size_t(share * double(us.size())))]; }
 };
 
-Times times_of(const char* kind, double hole_mm, int sessions) {
-  voxel::HapticVolume volume = block(hole_mm);
+enum class Plate { none, voxels, mesh };
+
+Times times_of(const char* kind, double hole_mm, int sessions, Plate with = Plate::none) {
+  voxel::HapticVolume volume = block(hole_mm, with == Plate::voxels ? top_mm + 1.01 : top_mm);
   const contact::ContactVolume contact(volume);
+  const touch::MeshSurfaces meshes({{plate(hole_mm), touch::first_mesh_shape}}, 0.00025 * voxel_mm);
+  const touch::FeltSpace space(contact, {with == Plate::mesh ? &meshes : nullptr, nullptr});
+  haptics::Feels feels = one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3));
+  feels[touch::first_mesh_shape] = feels[1];
   const double length = haptics::tool_kind(kind).length_mm;
-  const haptics::Tool tool = haptics::make_tool(params_of(kind, 0.8 * hole_mm, std::max(length, 0.8 * hole_mm)));
+  const haptics::Tool tool = length > 0
+                                 ? haptics::make_tool(params_of(kind, 0.8 * hole_mm, std::max(length, 0.8 * hole_mm)))
+                                 : haptics::Tool{};
   std::mt19937_64 rng(3);
   const double cost = clock_cost_us();
   Times out;
@@ -86,7 +122,7 @@ Times times_of(const char* kind, double hole_mm, int sessions) {
     const std::vector<haptics::HapticInput> inputs = session_of(rng);
     std::vector<double> least(inputs.size(), 1e9);
     for (int round = 0; round < rounds; ++round) {
-      haptics::Proxy proxy(contact, one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3)), {}, {}, tool);
+      haptics::Proxy proxy(space, feels, {}, {}, tool);
       for (std::size_t i = 0; i < inputs.size(); ++i) {
         const double begin = cpu_us();
         proxy.update(inputs[i]);
@@ -99,9 +135,31 @@ Times times_of(const char* kind, double hole_mm, int sessions) {
   return out;
 }
 
+void compare_plate(int sessions, const std::vector<std::string>& tools) {
+  std::printf(
+      "| tool | bone alone: p50 | p99 | most, us | plate of voxels: p50 | p99 | most, us | plate as a mesh: p50 | p99 "
+      "| "
+      "most, us |\n|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const haptics::ToolKind& kind : haptics::all_tool_kinds()) {
+    if (kind.from_file || (!(kind.length_mm > 0) && std::string(kind.name) != "point")) continue;
+    if (!tools.empty() && std::find(tools.begin(), tools.end(), kind.name) == tools.end()) continue;
+    std::printf("| `%s` |", kind.name);
+    for (const Plate with : {Plate::none, Plate::voxels, Plate::mesh}) {
+      const Times t = times_of(kind.name, 5, sessions, with);
+      std::printf(" %.1f | %.1f | %.1f |", t.at(0.5), t.at(0.99), t.us.back());
+    }
+    std::printf("\n");
+    std::fflush(stdout);
+  }
+}
+
 }  // namespace
 
 int main(int count, char** words) {
+  if (count > 1 && std::string(words[1]) == "plate") {
+    compare_plate(count > 2 ? std::max(1, std::atoi(words[2])) : 6, {words + std::min(count, 3), words + count});
+    return 0;
+  }
   const int sessions = count > 1 ? std::max(1, std::atoi(words[1])) : 20;
   std::printf(
       "| tool | points | hole, mm | ticks | p50 | p99 | p99.9 | most, us |\n|---|---|---|---|---|---|---|---|\n");

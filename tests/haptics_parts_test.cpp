@@ -6,7 +6,7 @@
 #include <set>
 
 #include "haptics/sliding_friction.h"
-#include "haptics/way_out.h"
+#include "touch/way_out.h"
 
 namespace {
 
@@ -26,8 +26,8 @@ HeldSurface bone(int shape) {
 
 TEST(HapticsParts, AFloorAndAWallPressEachByItsDepth) {
   HeldSurfaces held;
-  held.set(held.place_of({0, 0, 1}), {{0, 0, 0}, {0, 0, 1}}, bone(1));
-  held.set(held.place_of({1, 0, 0}), {{0, 0, 0}, {1, 0, 0}}, bone(2));
+  held.set(held.place_of({0, 0, 1}, 1), {{0, 0, 0}, {0, 0, 1}}, bone(1));
+  held.set(held.place_of({1, 0, 0}, 1), {{0, 0, 0}, {1, 0, 0}}, bone(2));
   ASSERT_TRUE(held.solve({-1, 5, -3}));
   EXPECT_EQ(held.nearest_mm(), (Vec3{0, 5, 0}));
   const HeldSurfaces::Felt felt = held.felt(held.nearest_mm(), {-1, 5, -3}, {}, 0);
@@ -55,8 +55,8 @@ TEST(HapticsParts, AFourthSurfaceTakesThePlaceOfOneThatDoesNotPress) {
   EXPECT_EQ(held.put({{0, -9, 0}, {0, 1, 0}}, bone(3)), 2);  // far from the device
   ASSERT_TRUE(held.solve({-1, 0, -1}));
   EXPECT_EQ(held.put({{0, 0, 0}, {0, -1, 0}}, bone(4)), 2);
-  EXPECT_TRUE(held.knows({0, -1, 0}));
-  EXPECT_FALSE(held.knows({0, 1, 0}));
+  EXPECT_TRUE(held.knows({0, -1, 0}, 1));
+  EXPECT_FALSE(held.knows({0, 1, 0}, 1));
 }
 
 TEST(HapticsParts, StaticFrictionHoldsAndDynamicFrictionLeavesTheRest) {
@@ -77,7 +77,7 @@ TEST(HapticsParts, StaticFrictionHoldsAndDynamicFrictionLeavesTheRest) {
 }
 
 TEST(HapticsParts, TheWayOutLooksInAllDirectionsBeforeItGoesFarther) {
-  haptics::WayOut way_out;
+  touch::WayOut way_out;
   std::set<double> distances;
   int looks = 0;
   for (; looks < 28; ++looks) {

@@ -76,6 +76,21 @@ TEST(VoxelTransfer, EachFaultHasOneLine) {
   EXPECT_EQ(both.fault(), "points: are there beside a preset: give one of the two");
 }
 
+TEST(VoxelTransfer, StiffnessIsLinearBetweenItsPointsToo) {
+  TransferFunction f = of({{100, 0}, {300, 0.8}, {300, 1}, {500, 0.4}});
+  EXPECT_EQ(stiffest_n_per_mm(f), 0);
+  const double stiffness[] = {0.2, 0.6, 1.0, 3.0};
+  for (std::size_t n = 0; n < 4; ++n) f.points[n].stiffness_n_per_mm = stiffness[n];
+  EXPECT_EQ(f.fault(), "");
+  EXPECT_DOUBLE_EQ(at_hu(f, 150).stiffness_n_per_mm, 0.3);
+  EXPECT_DOUBLE_EQ(at_hu(f, 300).stiffness_n_per_mm, 1.0);
+  EXPECT_DOUBLE_EQ(at_hu(f, 400).stiffness_n_per_mm, 2.0);
+  EXPECT_EQ(at_hu(f, 3000).stiffness_n_per_mm, 3.0);
+  EXPECT_DOUBLE_EQ(stiffest_n_per_mm(f), 1.0 + 2.0 * 166 / 200) << "of what is touched, to 466 HU";
+  f.points[2].stiffness_n_per_mm = 0;
+  EXPECT_EQ(f.fault(), "points[2].stiffness_n_per_mm: 0, must be above 0 at all points or be at none");
+}
+
 TEST(VoxelTransfer, IsReadFromACommandLine) {
   EXPECT_EQ(transfer_from_text("bone", "--transfer").points.size(), preset_points("bone").size());
   const TransferFunction f = transfer_from_text("150:0:e0c0a0,300.5:0.9:ffffff", "--transfer");

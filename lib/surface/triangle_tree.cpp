@@ -110,40 +110,19 @@ TriangleTree::TriangleTree(const TriMesh& mesh) : mesh_(mesh) {
 }
 
 double TriangleTree::squared_distance(Vec3 p, double squared_limit, std::uint32_t* triangle) const {
-  struct Entry {
-    double d2;
-    int level;
-    std::size_t node;
-  };
-  std::array<Entry, 64> stack;
-  int top = 0;
   double best = squared_limit;
-  if (!order_.empty()) stack[top++] = {0, static_cast<int>(levels_.size()) - 1, 0};
-  while (top > 0) {
-    const Entry e = stack[--top];
-    if (e.d2 >= best) continue;
-    if (e.level == 0) {
-      for (std::size_t n = width * e.node; n < std::min(width * (e.node + 1), order_.size()); ++n) {
-        const auto& v = mesh_.triangles[order_[n]];
-        const Vec3 d = p - closest_on_triangle(p, mesh_.points_mm[v[0]], mesh_.points_mm[v[1]], mesh_.points_mm[v[2]]);
-        if (dot(d, d) >= best) continue;
-        best = dot(d, d);
-        if (triangle) *triangle = order_[n];
-      }
-      continue;
-    }
-    const auto& level = levels_[e.level - 1];
-    std::array<Entry, width> child;
-    int children = 0;
-    for (std::size_t c = width * e.node; c < std::min(width * (e.node + 1), level.size()); ++c) {
-      const double d2 = level[c].squared_distance(p);
-      if (d2 >= best) continue;
-      int at = children++;  // the nearest ends on top of the stack
-      for (; at > 0 && child[at - 1].d2 < d2; --at) child[at] = child[at - 1];
-      child[at] = {d2, e.level - 1, c};
-    }
-    for (int c = 0; c < children; ++c) stack[top++] = child[c];
-  }
+  visit_nearest(
+      best, [&](const FloatBox& box) { return box.squared_distance(p); },
+      [&](std::size_t leaf) {
+        for (std::size_t n = width * leaf; n < std::min(width * (leaf + 1), order_.size()); ++n) {
+          const auto& v = mesh_.triangles[order_[n]];
+          const Vec3 d =
+              p - closest_on_triangle(p, mesh_.points_mm[v[0]], mesh_.points_mm[v[1]], mesh_.points_mm[v[2]]);
+          if (dot(d, d) >= best) continue;
+          best = dot(d, d);
+          if (triangle) *triangle = order_[n];
+        }
+      });
   return best;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -27,6 +28,11 @@ class TriangleTree {
   /// Calls visit(leaf) for the leaves from first_leaf on whose box meets `box`.
   template <class Visit>
   void for_each_leaf(const FloatBox& box, std::size_t first_leaf, Visit&& visit) const;
+
+  /// Calls visit(leaf), nearest first by bound(box), which is never more than the square of their distance, for leaves
+  /// whose bound is below the limit; visit() may lower it.
+  template <class Bound, class Visit>
+  void visit_nearest(const double& squared_limit, const Bound& bound, const Visit& visit) const;
 
   /// Squared distance to the surface, and the nearest triangle; stops beyond squared_limit and returns that limit.
   double squared_distance(Vec3 p, double squared_limit, std::uint32_t* triangle = nullptr) const;
@@ -60,6 +66,37 @@ void TriangleTree::for_each_leaf(const FloatBox& box, std::size_t first_leaf, Vi
       const std::size_t last_leaf = ((c + 1) << (2 * (e.level - 1))) - 1;
       if (last_leaf >= first_leaf) stack[top++] = {e.level - 1, c};
     }
+  }
+}
+
+template <class Bound, class Visit>
+void TriangleTree::visit_nearest(const double& squared_limit, const Bound& bound, const Visit& visit) const {
+  struct Entry {
+    double d2;
+    int level;
+    std::size_t node;
+  };
+  std::array<Entry, 64> stack;
+  int top = 0;
+  if (!order_.empty()) stack[top++] = {0, static_cast<int>(levels_.size()) - 1, 0};
+  while (top > 0) {
+    const Entry e = stack[--top];
+    if (e.d2 >= squared_limit) continue;
+    if (e.level == 0) {
+      visit(e.node);
+      continue;
+    }
+    const auto& level = levels_[e.level - 1];
+    std::array<Entry, width> child;
+    int children = 0;
+    for (std::size_t c = width * e.node; c < std::min(width * (e.node + 1), level.size()); ++c) {
+      const double d2 = bound(level[c]);
+      if (d2 >= squared_limit) continue;
+      int at = children++;  // the nearest ends on top of the stack
+      for (; at > 0 && child[at - 1].d2 < d2; --at) child[at] = child[at - 1];
+      child[at] = {d2, e.level - 1, c};
+    }
+    for (int c = 0; c < children; ++c) stack[top++] = child[c];
   }
 }
 

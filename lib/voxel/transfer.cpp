@@ -47,6 +47,10 @@ std::string fault_of_points(const std::vector<TransferPoint>& points) {
       return at + ", must be at least " + to_text(points[n - 1].hu) + ": points ascend";
     if (n >= 2 && points[n].hu == points[n - 2].hu) return at + ", three points lie there, at most two may (a step)";
   }
+  for (std::size_t n = 1; n < points.size(); ++n)
+    if ((points[n].stiffness_n_per_mm > 0) != (points[0].stiffness_n_per_mm > 0))
+      return "points[" + std::to_string(n) + "].stiffness_n_per_mm: " + to_text(points[n].stiffness_n_per_mm) +
+             ", must be above 0 at all points or be at none";
   const TransferPoint& first = points[points[1].hu == transfer_low_hu && points[0].hu == transfer_low_hu ? 1 : 0];
   if (first.opacity > 0)
     return "points[0].opacity: " + to_text(first.opacity) + ", must be 0: so opaque is what lies below it, air too";
@@ -90,7 +94,8 @@ TransferPoint at_hu(const TransferFunction& f, double hu) {
   const TransferPoint& a = *(above - 1);
   if (above == f.points.end()) return a;
   const double t = (hu - a.hu) / (above->hu - a.hu);
-  TransferPoint p{hu, a.opacity + t * (above->opacity - a.opacity), a.colour_rgb};
+  TransferPoint p{hu, a.opacity + t * (above->opacity - a.opacity), a.colour_rgb,
+                  a.stiffness_n_per_mm + t * (above->stiffness_n_per_mm - a.stiffness_n_per_mm)};
   for (std::size_t c = 0; c < 3; ++c) p.colour_rgb[c] += t * (above->colour_rgb[c] - a.colour_rgb[c]);
   return p;
 }
@@ -105,6 +110,15 @@ std::optional<std::array<int, 2>> touched_hu(const TransferFunction& f) {
   }
   if (range && (*range)[1] == transfer_high_hu) (*range)[1] = std::numeric_limits<std::int16_t>::max();
   return range;
+}
+
+double stiffest_n_per_mm(const TransferFunction& function) {
+  const TransferFunction f = resolved(function);
+  double most = 0;
+  if (const auto touched = touched_hu(f))
+    for (int hu = (*touched)[0]; hu <= std::min((*touched)[1], transfer_high_hu); ++hu)
+      most = std::max(most, at_hu(f, hu).stiffness_n_per_mm);
+  return most;
 }
 
 std::string TransferFunction::fault() const {

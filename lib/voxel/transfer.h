@@ -17,6 +17,7 @@ constexpr int transfer_low_hu = -1024, transfer_high_hu = 3071;
 struct TransferPoint {
   double hu = 0, opacity = 0;
   std::array<double, 3> colour_rgb{0.8, 0.8, 0.8};
+  double stiffness_n_per_mm = 0;
   template <class V>
   static void describe(V& v) {
     using P = TransferPoint;
@@ -25,12 +26,15 @@ struct TransferPoint {
              "Share of the light that a layer of 1 mm holds back: 0 is clear, 1 hides all behind it.")
         .is_required();
     v.numbers(&P::colour_rgb, "colour_rgb", Range{0, 1}, "Colour, sRGB.").is_required();
+    v.number(&P::stiffness_n_per_mm, "stiffness_n_per_mm", Range{0, 10},
+             "Stiffness of what is touched there, in place of the material's; of all points or of none.")
+        .not_always();
   }
 };
 
-/// How HU are seen, and from where on they are felt [Rizzi, 3.5 and figure 9]: opacity and colour at points of HU,
-/// linear between them, and beyond the outermost points as these are. What is at least `touched_from_opacity` opaque is
-/// touched, so a window of HU is the special case of a function that is 0 or 1.
+/// How HU are seen, and from where on they are felt [Rizzi, 3.5 and figure 9]: opacity, colour and, where it has them,
+/// stiffness at points of HU, linear between them, and beyond the outermost points as these are. What is at least
+/// `touched_from_opacity` opaque is touched, so a window of HU is the special case of a function that is 0 or 1.
 struct TransferFunction {
   std::string preset;  ///< stands for points of its own; empty: `points` has them
   std::vector<TransferPoint> points;
@@ -48,8 +52,8 @@ struct TransferFunction {
     v.number(&P::touched_from_opacity, "touched_from_opacity", Range{0.01, 1},
              "What is at least so opaque is touched. That must be one range of HU.");
   }
-  /// Says what is wrong where there are no points or two sorts of them, they do not ascend, the first is not clear, or
-  /// what is touched is not one range of HU.
+  /// Says what is wrong where there are no points or two sorts of them, they do not ascend, the first is not clear,
+  /// some but not all have a stiffness, or what is touched is not one range of HU.
   std::string fault() const;
 };
 
@@ -67,6 +71,9 @@ TransferPoint at_hu(const TransferFunction& function, double hu);
 /// The lowest and the highest whole HU that are touched; a range that goes on beyond the last point ends at 32767. None
 /// where nothing is, or what is touched is not one range.
 std::optional<std::array<int, 2>> touched_hu(const TransferFunction& function);
+
+/// The largest stiffness that it gives to what it touches; 0 where its points have none.
+double stiffest_n_per_mm(const TransferFunction& function);
 
 /// Reads the text of a command line: the name of a preset, or points "HU:OPACITY:RRGGBB" with commas between them.
 /// Throws Error 64 naming the flag and the limit.

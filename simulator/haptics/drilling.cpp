@@ -166,8 +166,9 @@ void Drilling::cut_late(double dt_s) {
 // own surface, it cuts a little wider until it does.
 double Drilling::cut(const HapticInput& in, const HapticState& state) {
   const double voxel_mm = contact_.smallest_side_mm();
-  const bool pressed = state.touched != 0 && shapes_[std::size_t(state.touched)].cuttable &&
-                       shapes_[std::size_t(state.touched)].energy_j_per_mm3 > 0;
+  const bool on_mesh = touch::is_mesh(state.touched);  // which no drill cuts
+  const drill::DrillShape touched = on_mesh ? drill::DrillShape{} : shapes_[std::size_t(state.touched)];
+  const bool pressed = state.touched != 0 && touched.cuttable && touched.energy_j_per_mm3 > 0;
   const double pressure = pressed ? norm(state.force_n - force_) : 0;
   if (pressure >= params_.stall_force_n) {
     outcome_.stalled_s += in.dt_s;
@@ -179,7 +180,7 @@ double Drilling::cut(const HapticInput& in, const HapticState& state) {
   // Also where what lies behind the bone holds the tool already.
   const bool breaks = state.touched != 0 && letting_go_.breaks();
   if (breaks) max_w = breaking_w;
-  Vec3 bite = in.tip_mm - state.proxy_mm;
+  Vec3 bite = on_mesh ? Vec3{} : in.tip_mm - state.proxy_mm;
   const double most_mm = std::min(max_bite_voxels * voxel_mm, breaks ? letting_go_.most_mm() : 1e9);
   if (const double length = norm(bite); length > most_mm) bite = bite * (most_mm / length);
   const drill::Removal& r = drill_.cut_way(turned_pose(state.proxy_mm, state.axis, state.across), state.proxy_mm + bite,

@@ -57,8 +57,8 @@ struct DrillingParams : HeatParams {
 
 /// What a session removed, and what happened on the way.
 struct DrillingOutcome {
-  std::array<std::int64_t, voxel::haptic_max_shapes + 1> units{};   ///< by shape, of 1/255 voxel
-  std::array<double, voxel::haptic_max_shapes + 1> most_force_n{};  ///< by the shape that was touched
+  std::array<std::int64_t, voxel::haptic_max_shapes + 1> units{};  ///< by shape, of 1/255 voxel
+  std::array<double, touch::max_shape + 1> most_force_n{};         ///< by the shape that was touched
   std::int64_t late_units = 0;  ///< of all, those where the tool was a voxel further on already
   double energy_j = 0, drilled_s = 0, stalled_s = 0;
   /// While it removed something, or did so within the last 20 ms: for how long, the force's mean times that, and how

@@ -5,18 +5,27 @@
 #include "base/params.h"
 #include "cases/case.h"
 #include "contact/contact.h"
+#include "touch/mesh_surfaces.h"
 
 namespace trephine::haptics {
 
-/// How every shape of a case feels, by its number. Shapes that the case does not name cannot be touched.
+/// How every shape of a case feels, by its number, and after the shapes of its volume the surfaces that are touched
+/// beside it (touch/mesh_surfaces.h). Shapes that the case does not name cannot be touched.
 using ShapeFeel = cases::MaterialParams;
-using Feels = std::array<ShapeFeel, voxel::haptic_max_shapes + 1>;
+using Feels = std::array<ShapeFeel, touch::max_shape + 1>;
 
+/// Where a transfer function has stiffnesses, its shape has the largest of them.
 inline Feels feels_of(const cases::CaseHaptic& haptic) {
   Feels feels;
   for (ShapeFeel& f : feels) f.front.touchable = f.back.touchable = false;
-  for (const cases::CaseShape& s : haptic.shapes)
-    if (s.number >= 1 && s.number <= voxel::haptic_max_shapes) feels[std::size_t(s.number)] = s.material;
+  for (const cases::CaseShape& s : haptic.shapes) {
+    if (s.number < 1 || s.number > voxel::haptic_max_shapes) continue;
+    ShapeFeel& feel = feels[std::size_t(s.number)];
+    feel = s.material;
+    const double ramp = s.transfer ? voxel::stiffest_n_per_mm(*s.transfer) : 0;
+    for (cases::CaseFace* face : {&feel.front, &feel.back})
+      if (ramp > 0 && face->touchable) face->stiffness_n_per_mm = ramp;
+  }
   return feels;
 }
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "touch/mesh_surfaces.h"
+
 namespace trephine::haptics {
 
 void HeldSurfaces::clear() {
@@ -10,12 +12,17 @@ void HeldSurfaces::clear() {
   solved_ = false;
 }
 
-bool HeldSurfaces::knows(Vec3 normal) const { return place_of(normal) < count_; }
+bool HeldSurfaces::is_same(int place, Vec3 normal, int shape) const {
+  const bool facet = touch::is_mesh(shape) || touch::is_mesh(held_[place].shape);
+  return dot(planes_[place].normal, normal) > (facet ? same_facet : same_surface);
+}
 
-int HeldSurfaces::place_of(Vec3 normal) const {
+bool HeldSurfaces::knows(Vec3 normal, int shape) const { return place_of(normal, shape) < count_; }
+
+int HeldSurfaces::place_of(Vec3 normal, int shape) const {
   int at = count_;
   for (int n = 0; n < count_; ++n)
-    if (dot(planes_[n].normal, normal) > same_surface) at = n;
+    if (is_same(n, normal, shape)) at = n;
   return at;
 }
 
@@ -31,7 +38,7 @@ int HeldSurfaces::put(const contact::Plane& plane, const HeldSurface& surface) {
     if (solved_ && nearest_.pressure_mm[n] == 0) at = n;
   contact::Plane put = plane;
   for (int n = 0; n < count_; ++n)
-    if (dot(planes_[n].normal, plane.normal) > same_surface) {
+    if (is_same(n, plane.normal, surface.shape)) {
       at = n;
       if (dot(plane.normal, planes_[n].point_mm - plane.point_mm) > 0) put.point_mm = planes_[n].point_mm;
     }

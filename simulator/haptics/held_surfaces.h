@@ -20,8 +20,9 @@ struct HeldSurface {
 class HeldSurfaces {
  public:
   static constexpr int max_count = 3;
-  /// Cosine between normals of one curved surface, not of two that meet in an edge.
-  static constexpr double same_surface = 0.8;
+  /// Cosine between normals of one curved surface, not of two that meet in an edge; and of facets of a mesh, whose
+  /// edges are felt as they are.
+  static constexpr double same_surface = 0.8, same_facet = 0.98;
 
   void clear();
   int count() const { return count_; }
@@ -33,9 +34,9 @@ class HeldSurfaces {
   double pressure_mm(int n) const { return nearest_.pressure_mm[n]; }
   Vec3 nearest_mm() const { return nearest_.point_mm; }  ///< to the device, before all planes
 
-  bool knows(Vec3 normal) const;
-  /// The place of a plane of that surface, or else the next that is free; max_count where none is.
-  int place_of(Vec3 normal) const;
+  bool knows(Vec3 normal, int shape) const;
+  /// The place of a plane of that surface of the shape, or else the next that is free; max_count where none is.
+  int place_of(Vec3 normal, int shape) const;
   void set(int place, const contact::Plane& plane, const HeldSurface& surface);
   /// Puts the plane in the place of its surface, where the one that reaches further counts; or in a free one, or in
   /// that of one that does not press. Returns the place, -1 where all of them press.
@@ -61,6 +62,7 @@ class HeldSurfaces {
   Felt felt(Vec3 proxy_mm, Vec3 device_mm, Vec3 velocity_mm_s, int named) const;
 
  private:
+  bool is_same(int place, Vec3 normal, int shape) const;
   contact::Plane planes_[max_count];
   HeldSurface held_[max_count];
   contact::Nearest nearest_;

@@ -29,10 +29,10 @@ std::string fault_names(std::uint32_t faults) {
   return out;
 }
 
-Proxy::Proxy(const contact::ContactVolume& contact, const Feels& feels, const ForceParams& force,
-             const ShaftParams& shaft, const Tool& tool)
+Proxy::Proxy(const touch::FeltSpace& space, const Feels& feels, const ForceParams& force, const ShaftParams& shaft,
+             const Tool& tool)
     : force_(force),
-      ground_(contact, feels),
+      ground_(space, feels),
       body_(proxy_body(ground_, tool)),
       shaft_(shaft.shaft_length_mm > 0 ? shaft.shaft_length_mm : tool.length_mm),
       slew_(force) {
@@ -161,7 +161,8 @@ Vec3 Proxy::surface_force(Vec3 held_mm, Vec3 device_mm) {
 Vec3 Proxy::inside_force(const HapticInput& in) {
   const HapticState& state = ground_.state;
   const Vec3 drag = velocity_ * -ground_.feels[std::size_t(state.inside)].drag_n_s_per_mm;
-  return drag - shaft_.force_n(ground_.contact, ground_.feels, state.proxy_mm, state.axis, velocity_, in.dt_s);
+  return drag -
+         shaft_.force_n(ground_.contact.contact(), ground_.feels, state.proxy_mm, state.axis, velocity_, in.dt_s);
 }
 
 // The torque of the surfaces' forces and of a spring from the device's orientation to the shown one. It is ramped up at

@@ -45,9 +45,9 @@ namespace trephine::haptics {
 /// update() does not allocate, lock or throw and makes no system call; equal inputs give equal bits.
 class Proxy {
  public:
-  /// `contact` must outlive it.
-  Proxy(const contact::ContactVolume& contact, const Feels& feels, const ForceParams& force,
-        const ShaftParams& shaft = {}, const Tool& tool = {});
+  /// What `space` refers to must outlive it.
+  Proxy(const touch::FeltSpace& space, const Feels& feels, const ForceParams& force, const ShaftParams& shaft = {},
+        const Tool& tool = {});
   Proxy(const Proxy&) = delete;
 
   /// A pose, axis or time step that is not finite, or a step that is not in (0, 1] s, is a fault: the force is exactly

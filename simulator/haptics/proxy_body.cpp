@@ -7,12 +7,12 @@
 
 namespace trephine::haptics {
 
-ProxyGround::ProxyGround(const contact::ContactVolume& volume, const Feels& all)
-    : contact(volume), feels(all), faces(touchable_of(all)) {
-  const Vec3 s = volume.volume().voxels.spacing_mm;
-  const bool boxes = volume.params().surface == contact::ContactParams::Surface::nearest;
-  margin_mm = 1e-3 * volume.smallest_side_mm();
-  step_mm = boxes ? 1.05 * std::max({s.x, s.y, s.z}) : 0.1 * volume.smallest_side_mm();
+ProxyGround::ProxyGround(const touch::FeltSpace& space, const Feels& all)
+    : contact(space), feels(all), faces(touchable_of(all)) {
+  const Vec3 s = space.volume().voxels.spacing_mm;
+  const bool boxes = space.params().surface == contact::ContactParams::Surface::nearest;
+  margin_mm = 1e-3 * space.smallest_side_mm();
+  step_mm = boxes ? 1.05 * std::max({s.x, s.y, s.z}) : 0.1 * space.smallest_side_mm();
 }
 
 HeldSurface ProxyGround::held(const contact::Contact& c) const {
@@ -23,6 +23,7 @@ HeldSurface ProxyGround::held(const contact::Contact& c) const {
     feel.stiffness_n_per_mm *= held_ratio;
     feel.damping_n_s_per_mm *= held_ratio;
   }
+  feel.stiffness_n_per_mm *= contact.stiffness_ratio(c);
   return {c.shape, front ? 1 : 2, c.into, feel, Grain(shape, feel), {}};
 }
 

@@ -12,21 +12,22 @@
 #include "haptics/sliding_friction.h"
 #include "haptics/tool.h"
 #include "haptics/tool_body.h"
-#include "haptics/way_out.h"
+#include "touch/felt_space.h"
+#include "touch/way_out.h"
 
 namespace trephine::haptics {
 
-/// What the proxy of every tool stands on: the volume with its faces, and in each frame the surfaces that hold it,
-/// their friction, and the state that is shown.
+/// What the proxy of every tool stands on: what there is to feel with its faces, and in each frame the surfaces that
+/// hold it, their friction, and the state that is shown.
 struct ProxyGround {
-  ProxyGround(const contact::ContactVolume& volume, const Feels& all);
+  ProxyGround(const touch::FeltSpace& space, const Feels& all);
   HeldSurface held(const contact::Contact& contact) const;
   /// Whether the surface at that place of `surfaces` is pressed harder than it bears.
   bool pops(int place) const;
   /// Whether nothing enters the shape, so that no tool may begin in it.
   bool is_solid(int shape) const;
 
-  const contact::ContactVolume& contact;
+  const touch::FeltSpace contact;
   Feels feels;
   contact::TouchableFaces faces;
   double margin_mm, step_mm;     ///< off a surface; over its roughness
@@ -35,7 +36,7 @@ struct ProxyGround {
   HapticState state;
   HeldSurfaces surfaces;
   SlidingFriction friction;
-  WayOut way_out;
+  touch::WayOut way_out;
 };
 
 /// How the proxy of one kind of tool begins and follows the device: it moves ProxyGround::state, and leaves in
@@ -64,7 +65,7 @@ class ProxyBody {
   explicit ProxyBody(ProxyGround& ground)
       : ground_(ground), contact_(ground.contact), state_(ground.state), surfaces_(ground.surfaces) {}
   ProxyGround& ground_;
-  const contact::ContactVolume& contact_;
+  const touch::FeltSpace& contact_;
   HapticState& state_;
   HeldSurfaces& surfaces_;
 };

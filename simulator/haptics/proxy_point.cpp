@@ -13,16 +13,22 @@ ProxyPoint::ProxyPoint(ProxyGround& ground)
 
 // Where the device is; or, where that is in a shape that nothing enters, on the nearest surface.
 bool ProxyPoint::begin(const HapticInput& in) {
+  Vec3 from = in.tip_mm;
+  if (contact_.inside_mesh(from, ground_.faces)) {
+    const auto m = contact_.meshes()->nearest(from, from, touch::WayOut::farthest_mm, ground_.faces.front);
+    state_.proxy_mm = from = m.point_mm - m.normal * ground_.margin_mm;
+    state_.inside = contact_.shape_at(from);
+  }
   const int inside = state_.inside;
   if (!ground_.is_solid(inside)) return true;
-  double nearest = WayOut::farthest_mm;
+  double nearest = touch::WayOut::farthest_mm;
   const contact::TouchableFaces ways_out{0, shape_bit(inside)};
-  for (int n = 0; n < WayOut::ways; ++n) {
-    const Vec3 way = WayOut::way(n);
-    const contact::Contact c = contact_.cross(in.tip_mm, in.tip_mm + way * nearest, inside, ways_out);
+  for (int n = 0; n < touch::WayOut::ways; ++n) {
+    const Vec3 way = touch::WayOut::way(n);
+    const contact::Contact c = contact_.cross(from, from + way * nearest, inside, ways_out);
     if (!c.hit) continue;
     const Vec3 outside = c.point_mm + way * ground_.margin_mm;
-    if (contact_.shape_at(outside) == inside) continue;
+    if (contact_.shape_at(outside) == inside || contact_.inside_mesh(outside, ground_.faces)) continue;
     nearest *= c.along;
     state_.proxy_mm = outside;
     state_.inside = contact_.shape_at(outside);
@@ -75,7 +81,7 @@ void ProxyPoint::walk(Vec3 device) {
 bool ProxyPoint::meet(const contact::Contact& c, Vec3 device, Vec3& goal, int pass) {
   const Vec3 before = state_.proxy_mm;
   approach(c);
-  const int at = surfaces_.place_of(c.normal);
+  const int at = surfaces_.place_of(c.normal, c.shape);
   if (at == HeldSurfaces::max_count) return false;
   const bool known = at < surfaces_.count();
   // A surface is rougher than its smooth normal says, and may bar the way along its own tangent plane. The proxy then

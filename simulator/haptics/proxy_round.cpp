@@ -26,7 +26,55 @@ bool ProxyRound::is_free(Vec3 centre, Vec3 axis) {
   for (int n = 0; n <= places; ++n) {
     if (ground_.is_solid(contact_.shape_at(centre + axis * std::min(n * step, body_.length_mm())))) return false;
   }
-  return !body_.deepest(centre, axis, contact_.shape_at(centre), closed_faces()).hit;
+  if (contact_.inside_mesh(centre, closed_faces())) return false;
+  return !deepest(centre, axis, contact_.shape_at(centre), closed_faces()).hit;
+}
+
+// Of the volume and of the surfaces beside it the touch that is deepest. No middle line ever passes a surface: a step
+// is shorter than a radius.
+RoundBody::Touch ProxyRound::deepest(Vec3 centre, Vec3 axis, int inside, const contact::TouchableFaces& faces) {
+  RoundBody::Touch t = body_.deepest(centre, axis, inside, faces);
+  if (!contact_.meshes()) return t;
+  for (std::size_t n = 0; n < body_.parts().size(); ++n) {
+    const RoundPart& part = body_.parts()[n];
+    const double reach = part.radius_mm - t.depth_mm;
+    const touch::MeshSurfaces::Meeting m = contact_.meshes()->nearest(
+        centre + axis * part.from_mm, centre + axis * part.to_mm, reach, part.radius_mm, faces.front, near_[n]);
+    body_.spend(near_[n].looked_at);
+    near_[n].looked_at = 0;
+    if (m.shape == 0) continue;
+    t = {};
+    t.hit = t.contact.hit = true;
+    t.depth_mm = part.radius_mm - m.distance_mm;
+    t.radius_mm = part.radius_mm;
+    t.along_mm = t.pressed_mm = part.from_mm + m.along * (part.to_mm - part.from_mm);
+    t.contact.point_mm = m.point_mm;
+    t.contact.normal = m.normal;
+    t.contact.face = m.front ? contact::ContactFace::front : contact::ContactFace::back;
+    t.contact.shape = m.shape;
+    t.contact.from = t.contact.into = inside;
+  }
+  return t;
+}
+
+// A rod that lies on a surface presses in the middle of all places that are as near to it.
+void ProxyRound::press_along(RoundBody::Touch& t) {
+  constexpr int places = 8;
+  if (!touch::is_mesh(t.contact.shape) || body_.is_ball()) return;
+  const double reach = t.radius_mm - t.depth_mm + ground_.step_mm;
+  double first = t.along_mm, last = t.along_mm;
+  for (const RoundPart& part : body_.parts()) {
+    if (part.radius_mm != t.radius_mm || !(part.to_mm > part.from_mm)) continue;
+    for (int n = 0; n <= places; ++n) {
+      const double at = part.from_mm + (part.to_mm - part.from_mm) * n / places;
+      const Vec3 place = centre_mm_ + state_.axis * at;
+      const auto m = contact_.meshes()->nearest(place, place, reach, shape_bit(t.contact.shape));
+      if (m.shape == 0 || dot(m.normal, t.contact.normal) < HeldSurfaces::same_facet) continue;
+      first = std::min(first, at);
+      last = std::max(last, at);
+    }
+  }
+  t.pressed_mm = 0.5 * (first + last);
 }
 
 // A few places are tried in each frame, each time a little further away.
@@ -34,6 +82,7 @@ bool ProxyRound::begin(const HapticInput& in) {
   const Vec3 centre = in.tip_mm + in.axis * body_.centre_mm();
   open_ = {};
   body_.begin_frame();
+  for (touch::NearFacets& near : near_) near.forget();
   Vec3 at = centre;
   bool begun = is_free(at, in.axis);
   const int looks = std::clamp(int(max_looks / (1 + body_.length_mm() / body_.smallest_radius_mm())), 2, 40);
@@ -93,10 +142,11 @@ RoundBody::Touch ProxyRound::move(Vec3 goal) {
     const Vec3 next = begin + way * (share * n / steps);
     const contact::Contact through = contact_.cross(centre_mm_, next, state_.inside, closed_faces());
     if (through.hit) return {};  // its centre never passes a surface
-    const RoundBody::Touch touch = body_.deepest(next, state_.axis, through.into, closed_faces());
+    const RoundBody::Touch touch = deepest(next, state_.axis, through.into, closed_faces());
     if (touch.hit) {
       RoundBody::Touch close = close_to(next, touch);
-      if (!drawn_.draws_out()) body_.set_on_edge(close, state_.axis);
+      if (!drawn_.draws_out() && !touch::is_mesh(close.contact.shape)) body_.set_on_edge(close, state_.axis);
+      press_along(close);
       return close;
     }
     centre_mm_ = next;
@@ -111,7 +161,7 @@ RoundBody::Touch ProxyRound::close_to(Vec3 next, RoundBody::Touch touch) {
   Vec3 beyond = next;
   for (int n = 0; n < halvings; ++n) {
     const Vec3 middle = (centre_mm_ + beyond) * 0.5;
-    const RoundBody::Touch there = body_.deepest(middle, state_.axis, state_.inside, closed_faces());
+    const RoundBody::Touch there = deepest(middle, state_.axis, state_.inside, closed_faces());
     if (there.hit) {
       beyond = middle;
       touch = there;
@@ -135,11 +185,11 @@ void ProxyRound::turn(Vec3 axis) {
     const Vec3 next = last ? axis : turned(frame_along(state_.axis), axis, step / reach).column[2];
     const Vec3 begin = centre_mm_ + (next - state_.axis) * body_.centre_mm();
     Vec3 to = begin;
-    RoundBody::Touch touch = body_.deepest(to, next, state_.inside, closed_faces());
+    RoundBody::Touch touch = deepest(to, next, state_.inside, closed_faces());
     for (int pass = 0; pass < give_passes && touch.hit; ++pass) {
       to += touch.contact.normal * (touch.depth_mm + ground_.margin_mm);
       if (norm(to - begin) > 2 * step) break;
-      touch = body_.deepest(to, next, state_.inside, closed_faces());
+      touch = deepest(to, next, state_.inside, closed_faces());
     }
     if (touch.hit) return;
     const contact::Contact through = contact_.cross(centre_mm_, to, state_.inside, closed_faces());
@@ -178,7 +228,7 @@ bool ProxyRound::meet(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
   const bool alone = body_.is_ball();
   contact::Plane plane{c.point_mm + c.normal * (touch.radius_mm + ground_.margin_mm) - state_.axis * touch.along_mm,
                        c.normal};
-  const int at = surfaces_.place_of(c.normal);
+  const int at = surfaces_.place_of(c.normal, c.shape);
   if (at == HeldSurfaces::max_count) return false;
   // Where two places of a rod touch one surface, the plane of the one that reaches further counts.
   if (at < surfaces_.count() && !alone && dot(plane.normal, surfaces_.plane(at).point_mm - plane.point_mm) > 0)
@@ -206,9 +256,8 @@ bool ProxyRound::meet(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
   if (off < 0 || off > 2 * ground_.margin_mm) {
     const Vec3 to = centre_mm_ - plane.normal * off;
     const contact::Contact through = contact_.cross(centre_mm_, to, state_.inside, closed_faces());
-    const RoundBody::Touch there = through.hit || (alone && off < 0)
-                                       ? RoundBody::Touch{}
-                                       : body_.deepest(to, state_.axis, through.into, closed_faces());
+    const RoundBody::Touch there =
+        through.hit || (alone && off < 0) ? RoundBody::Touch{} : deepest(to, state_.axis, through.into, closed_faces());
     if (!through.hit && (!there.hit || (off < 0 && there.depth_mm < touch.depth_mm))) {
       centre_mm_ = to;
       state_.inside = through.into;
@@ -228,7 +277,7 @@ void ProxyRound::slide_out(Vec3 device) {
   const auto deep = [](const RoundBody::Touch& t) { return t.hit ? t.depth_mm : 0; };
   const auto look = [&](Vec3 centre, Vec3 axis) {
     const contact::Contact through = contact_.cross(centre_mm_, centre, state_.inside, closed_faces());
-    const double depth_mm = through.hit ? HUGE_VAL : deep(body_.deepest(centre, axis, through.into, closed_faces()));
+    const double depth_mm = through.hit ? HUGE_VAL : deep(deepest(centre, axis, through.into, closed_faces()));
     return Place{centre, axis, through.into, depth_mm};
   };
   const auto go_to = [&](const Place& place) {

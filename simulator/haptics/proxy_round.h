@@ -12,7 +12,10 @@ namespace trephine::haptics {
 class ProxyRound : public ProxyBody {
  public:
   ProxyRound(ProxyGround& ground, const Tool& tool)
-      : ProxyBody(ground), body_(ground.contact, tool.round), drawn_(tool.length_mm) {}
+      : ProxyBody(ground),
+        body_(ground.contact.contact(), tool.round),
+        near_(ground.contact.meshes() ? tool.round.size() : 0),
+        drawn_(tool.length_mm) {}
   bool begin(const HapticInput& in) override;
   void follow(const HapticInput& in) override;
   Vec3 axis_of(const HapticInput& in) const override { return in.axis == Vec3{} ? state_.axis : normalized(in.axis); }
@@ -21,6 +24,8 @@ class ProxyRound : public ProxyBody {
   std::optional<Vec3> kept_from_turning(const HapticInput& in) const override;
 
  private:
+  RoundBody::Touch deepest(Vec3 centre_mm, Vec3 axis, int inside, const contact::TouchableFaces& faces);
+  void press_along(RoundBody::Touch& touch);
   bool is_free(Vec3 centre_mm, Vec3 axis);
   bool is_busy(double share) const;
   void turn(Vec3 axis);
@@ -32,6 +37,7 @@ class ProxyRound : public ProxyBody {
   contact::TouchableFaces closed_faces() const { return open_.closed(ground_.faces); }
 
   RoundBody body_;
+  std::vector<touch::NearFacets> near_;  ///< of the parts
   Vec3 centre_mm_;
   OpenFaces open_;
   DrawnOut drawn_;

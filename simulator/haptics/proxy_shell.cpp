@@ -32,10 +32,16 @@ bool ProxyShell::begin(const HapticInput& in) {
     if (ground_.is_solid(int(n))) solid |= shape_bit(int(n));
   const Mat3 frame = in.axis == Vec3{} ? frame_along({0, 0, 1}) : frame_of(in.axis, in.across);
   const std::uint64_t until = body_.looked_at() + max_looks;
-  bool free = body_.place(in.tip_mm, frame, solid);
+  const auto place = [&](Vec3 tip) {
+    bool free = body_.place(tip, frame, solid);
+    for (int n = 0; contact_.meshes() && free && n < body_.count(); ++n)
+      free = !contact_.inside_mesh(body_.at_mm(n), ground_.faces);
+    return free;
+  };
+  bool free = place(in.tip_mm);
   while (!free && !ground_.way_out.exhausted() && body_.looked_at() < until) {
     const Vec3 way = ground_.way_out.next_mm(frame.column[2]);
-    if (way != Vec3{}) free = body_.place(in.tip_mm + way, frame, solid);
+    if (way != Vec3{}) free = place(in.tip_mm + way);
   }
   const bool begun = free || ground_.way_out.exhausted();
   if (!free) body_.place(in.tip_mm,
@@ -114,7 +120,8 @@ int ProxyShell::find_walls(const ToolBody::Meeting& m, Wall* walls) const {
   const bool tip_first = b.met(m.from_tip).along <= b.met(m.from_tail).along;
   const int near = tip_first ? m.from_tip : m.from_tail, far = tip_first ? m.from_tail : m.from_tip;
   const Vec3 a = normal_of(near), c = normal_of(far), sum = a + c;
-  if (norm(sum) < cancels * (norm(a) + norm(c))) {
+  const bool facets = touch::is_mesh(b.met(near).shape) || touch::is_mesh(b.met(far).shape);
+  if (norm(sum) < cancels * (norm(a) + norm(c)) || (facets && dot(a, c) < HeldSurfaces::same_facet)) {
     walls[0] = {tip_plane(near, a), near};
     walls[1] = {tip_plane(far, c), far};
     return 2;
@@ -142,10 +149,10 @@ bool ProxyShell::meet(const ToolBody::Meeting& m, Vec3 device, Vec3& goal, Mat3&
   const Vec3 turn = aim.column[2] - b.frame().column[2];
   Wall walls[2];
   const int walls_met = find_walls(m, walls);
-  bool barred = pass > 0 && walls_met == 1 && surfaces_.knows(walls[0].plane.normal);
+  bool barred = pass > 0 && walls_met == 1 && surfaces_.knows(walls[0].plane.normal, b.met(walls[0].point).shape);
   if (barred && walls[0].point != m.nearest) {
     walls[0] = {tip_plane(m.nearest, contact_.normal_of(b.met(m.nearest), b.way(m.nearest))), m.nearest};
-    barred = surfaces_.knows(walls[0].plane.normal);
+    barred = surfaces_.knows(walls[0].plane.normal, b.met(walls[0].point).shape);
   }
   const bool lock = lock_.begin(ground_, b, m, turn, !drawn_.draws_out());
   const Vec3 way = b.way(walls[0].point), arm = b.arm(walls[0].point),

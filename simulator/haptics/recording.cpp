@@ -200,7 +200,9 @@ std::uint64_t missing_frames(const std::vector<ServoFrame>& frames) {
 
 std::string feel_digest(const Feels& feels) {
   std::string text;
-  for (const ShapeFeel& f : feels) {
+  for (std::size_t n = 0; n < feels.size(); ++n) {
+    const ShapeFeel& f = feels[n];
+    if (touch::is_mesh(int(n)) && !f.front.touchable) continue;
     const AnyParams params = AnyParams::make(f);
     for (const ParameterLeaf& leaf : leaves_of(params)) {
       const ParameterValue v = leaf.value();

@@ -23,6 +23,8 @@ class RoundBody {
  public:
   /// `parts`: at least one.
   RoundBody(const contact::ContactVolume& contact, std::vector<RoundPart> parts);
+  /// Their middle lines from the centre.
+  const std::vector<RoundPart>& parts() const { return parts_; }
   /// From the tip to the centre.
   double centre_mm() const { return centre_mm_; }
   /// A ball alone: it may turn as it likes.
@@ -39,6 +41,9 @@ class RoundBody {
   bool busy(double share) const {
     return !is_ball() && calls_ > share * least_calls && double(spent_) > share * most_spent;
   }
+
+  /// Other work of this frame, in facets: a disc takes as long as five.
+  void spend(int facets) { spent_ += facets / 5; }
 
   /// The disc into which a part reaches deepest, of those whose crossing stops it; for a ball alone, of those that are
   /// crossed from `inside`. The contact's point lies on the disc, and its normal points from there to the middle line;

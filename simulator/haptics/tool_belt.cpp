@@ -13,7 +13,8 @@ constexpr double pierced_drag_n_s_per_mm = 0.03, pierced_friction_n_per_mm = 0.0
 
 Feels felt_by(const BeltToolParams& tool, Feels feels) {
   if (tool.pierce_n > 0)
-    for (ShapeFeel& f : feels) {
+    for (int n = 1; n <= voxel::haptic_max_shapes; ++n) {  // not metal beside it
+      ShapeFeel& f = feels[std::size_t(n)];
       if (!f.front.touchable || f.front.pop_through_n > 0) continue;
       f.front.pop_through_n = tool.pierce_n;
       if (f.back.touchable) f.back.pop_through_n = tool.pierce_n;
@@ -27,15 +28,15 @@ Feels felt_by(const BeltToolParams& tool, Feels feels) {
 
 }  // namespace
 
-ToolBelt::ToolBelt(const contact::ContactVolume& contact, const Feels& feels, const ForceParams& force,
+ToolBelt::ToolBelt(const touch::FeltSpace& space, const Feels& feels, const ForceParams& force,
                    const ShaftParams& shaft, std::vector<BeltToolParams> tools, Drilling* drilling)
-    : contact_(contact), force_(force), tools_(std::move(tools)), drilling_(drilling), rules_(tools_.size()) {
+    : contact_(space.contact()), force_(force), tools_(std::move(tools)), drilling_(drilling), rules_(tools_.size()) {
   if (tools_.empty() || tools_.size() > belt_button::tool_mask + 1)
     throw Error(ExitCode::usage, "", "tools", "must be 1 to 16");
   int burrs = 0;
   for (const BeltToolParams& t : tools_) burrs_.push_back(t.cuts ? burrs++ : -1);
   for (const BeltToolParams& t : tools_)
-    proxies_.push_back(std::make_unique<Proxy>(contact, felt_by(t, feels), force, shaft, make_tool(t)));
+    proxies_.push_back(std::make_unique<Proxy>(space, felt_by(t, feels), force, shaft, make_tool(t)));
 }
 ToolBelt::~ToolBelt() = default;
 

@@ -45,9 +45,10 @@ struct BeltToolParams : ToolParams {
 /// after() neither allocate, lock nor throw, and make no system call.
 class ToolBelt {
  public:
-  /// `contact` and `drilling` (may be null) must outlive it. Throws as make_tool does; 64 for no tool, or more than 16.
-  ToolBelt(const contact::ContactVolume& contact, const Feels& feels, const ForceParams& force,
-           const ShaftParams& shaft, std::vector<BeltToolParams> tools, Drilling* drilling);
+  /// What `space` refers to, and `drilling` (may be null), must outlive it. Throws as make_tool does; 64 for no tool,
+  /// or more than 16.
+  ToolBelt(const touch::FeltSpace& space, const Feels& feels, const ForceParams& force, const ShaftParams& shaft,
+           std::vector<BeltToolParams> tools, Drilling* drilling);
   ~ToolBelt();
 
   const HapticState& update(const HapticInput& given);

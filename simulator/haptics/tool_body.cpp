@@ -7,7 +7,7 @@
 
 namespace trephine::haptics {
 
-ToolBody::ToolBody(const contact::ContactVolume& contact, std::vector<Vec3> points_mm)
+ToolBody::ToolBody(const touch::FeltSpace& contact, std::vector<Vec3> points_mm)
     : contact_(contact), points_mm_(std::move(points_mm)) {
   const std::size_t n = points_mm_.size();
   at_.resize(n);

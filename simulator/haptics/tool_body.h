@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/vec3.h"
-#include "contact/contact.h"
+#include "touch/felt_space.h"
 
 namespace trephine::haptics {
 
@@ -16,7 +16,7 @@ namespace trephine::haptics {
 class ToolBody {
  public:
   /// `points_mm`: at least one, from the tip to the tail.
-  ToolBody(const contact::ContactVolume& contact, std::vector<Vec3> points_mm);
+  ToolBody(const touch::FeltSpace& contact, std::vector<Vec3> points_mm);
 
   int count() const { return int(points_mm_.size()); }
   Vec3 tip_mm() const { return tip_mm_; }
@@ -62,7 +62,7 @@ class ToolBody {
   }
   void enter(std::size_t point, int shape);
   bool try_pose(Vec3 tip_mm, const Mat3& frame, const contact::TouchableFaces& faces, bool all);
-  const contact::ContactVolume& contact_;
+  const touch::FeltSpace& contact_;
   std::vector<Vec3> points_mm_;
   Vec3 tip_mm_, to_mm_;
   Mat3 frame_, to_frame_;

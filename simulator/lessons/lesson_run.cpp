@@ -48,8 +48,9 @@ haptics::RecordingHeader header_of(const session::FeltCase& felt, const LessonOp
 void require_followable(const haptics::ServoFrame& f, const std::string& file) {
   const auto finite = [](const double* p) { return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]); };
   const auto is_shape = [](std::int32_t n) { return n >= 0 && n <= voxel::haptic_max_shapes; };
+  const auto is_touched = [](std::int32_t n) { return n >= 0 && n <= touch::max_shape; };
   if (!finite(f.tip_mm) || !finite(f.axis) || !finite(f.proxy_mm) || !finite(f.force_n) || !std::isfinite(f.time_s) ||
-      !(f.dt_s > 0 && f.dt_s < 1e6) || !is_shape(f.touched) || !is_shape(f.inside))
+      !(f.dt_s > 0 && f.dt_s < 1e6) || !is_touched(f.touched) || !is_shape(f.inside))
     throw Error(ExitCode::bad_input, file, "frames", "tick " + std::to_string(f.tick) + " holds what no session makes");
 }
 

@@ -10,9 +10,11 @@
 #include "base/params.h"
 #include "contact/contact.h"
 #include "haptics/proxy.h"
-#include "peers/felt_mesh.h"
+#include "touch/felt_mesh.h"
 
 namespace trephine::peers {
+
+using touch::FeltMesh;
 
 /// One point that feels one shape. The interface is that of our own Proxy: a pose and a step in, proxy and force out.
 class ContactAlgorithm {

@@ -2,9 +2,11 @@
 #pragma once
 #include <vector>
 
-#include "peers/felt_mesh.h"
+#include "touch/felt_mesh.h"
 
 namespace trephine::peers {
+
+using touch::FeltMesh;
 
 /// A depth picture of a mesh through a camera without perspective: by pixel, how high above the picture's middle the
 /// surface that is nearest to the camera lies. It is drawn on the processor, as an OpenGL depth buffer would be.

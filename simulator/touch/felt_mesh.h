@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -7,7 +9,7 @@
 #include "surface/triangle_tree.h"
 #include "surface/trimesh.h"
 
-namespace trephine::peers {
+namespace trephine::touch {
 
 /// A mesh as algorithms of triangles feel it: with unit normals of its facets and a search tree. Points are those of
 /// the mesh, about its origin. After the constructor nothing allocates or throws.
@@ -38,6 +40,11 @@ class FeltMesh {
   /// on a facet's plane, to the last bit, begins in front of it; one that begins behind it does not meet it.
   Crossing first_crossing(Vec3 from, Vec3 to, const std::uint32_t* but = nullptr, int buts = 0) const;
 
+  /// Calls look(triangle) for each facet whose box comes within `reach_mm` of the segment, piece by piece from its
+  /// begin; where `along`, which look() may lower, lies in the pieces so far, the search ends.
+  template <class Look>
+  void look_along(Vec3 from, Vec3 to, double reach_mm, const double& along, const Look& look) const;
+
   /// The nearest point of the surface within `reach_mm`.
   struct Near {
     Vec3 point;
@@ -52,4 +59,29 @@ class FeltMesh {
   double piece_mm_ = 1;  // a segment is searched in pieces of this length, whose boxes hold few facets
 };
 
-}  // namespace trephine::peers
+template <class Look>
+void FeltMesh::look_along(Vec3 from, Vec3 to, double reach_mm, const double& along, const Look& look) const {
+  const Vec3 way = to - from, reach{reach_mm, reach_mm, reach_mm};
+  const int pieces = std::max(1, int(std::ceil(norm(way) / piece_mm_)));
+  for (int piece = 0; piece < pieces; ++piece) {
+    surface::FloatBox box;
+    for (const Vec3 end :
+         {from + way * (double(piece) / pieces), piece + 1 < pieces ? from + way * (double(piece + 1) / pieces) : to}) {
+      if (!(reach_mm > 0)) {
+        box.add(end);
+        continue;
+      }
+      box.add(end - reach);
+      box.add(end + reach);
+    }
+    tree_.for_each_leaf(box, 0, [&](std::size_t leaf) {
+      const std::size_t end = std::min(surface::TriangleTree::width * (leaf + 1), tree_.order().size());
+      for (std::size_t n = surface::TriangleTree::width * leaf; n < end; ++n)
+        if (tree_.box(n).meets(box)) look(tree_.order()[n]);
+    });
+    // What was found may lie in a later piece, where something else may be met before it.
+    if (along <= double(piece + 1) / pieces) break;
+  }
+}
+
+}  // namespace trephine::touch

@@ -2,7 +2,7 @@
 #pragma once
 #include "base/vec3.h"
 
-namespace trephine::haptics {
+namespace trephine::touch {
 
 /// The search of a place next to a shape that nothing enters, for a tool that starts within it: ever farther, at each
 /// distance along the tool's axis first and then towards the faces, edges and corners of a cube. It goes on in the next
@@ -30,4 +30,4 @@ class WayOut {
   int next_ = -1;  // the direction to be examined next; -1: along the axis
 };
 
-}  // namespace trephine::haptics
+}  // namespace trephine::touch

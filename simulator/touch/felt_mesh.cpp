@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "peers/felt_mesh.h"
+#include "touch/felt_mesh.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
 
-namespace trephine::peers {
+namespace trephine::touch {
 namespace {
 
 surface::TriMesh checked(surface::TriMesh mesh) {
@@ -33,25 +33,12 @@ bool FeltMesh::is_over(std::uint32_t triangle, Vec3 p) const {
 FeltMesh::Crossing FeltMesh::first_crossing(Vec3 from, Vec3 to, const std::uint32_t* but, int buts) const {
   Crossing best;
   const Vec3 way = to - from;
-  const int pieces = std::max(1, int(std::ceil(norm(way) / piece_mm_)));
-  for (int piece = 0; piece < pieces; ++piece) {
-    surface::FloatBox box;
-    box.add(from + way * (double(piece) / pieces));
-    box.add(piece + 1 < pieces ? from + way * (double(piece + 1) / pieces) : to);
-    tree_.for_each_leaf(box, 0, [&](std::size_t leaf) {
-      const std::size_t end = std::min(surface::TriangleTree::width * (leaf + 1), tree_.order().size());
-      for (std::size_t n = surface::TriangleTree::width * leaf; n < end; ++n) {
-        if (!tree_.box(n).meets(box)) continue;
-        const std::uint32_t t = tree_.order()[n];
-        const double begin = above(t, from), last = above(t, to);
-        if (!(begin >= 0 && last < 0) || std::find(but, but + buts, t) != but + buts) continue;
-        const double along = begin / (begin - last);
-        if (along < best.along && is_over(t, from + way * along)) best = {t, along};
-      }
-    });
-    // What was found may lie in a later piece, where something else may be met before it.
-    if (best.along <= double(piece + 1) / pieces) break;
-  }
+  look_along(from, to, 0, best.along, [&](std::uint32_t t) {
+    const double begin = above(t, from), last = above(t, to);
+    if (!(begin >= 0 && last < 0) || std::find(but, but + buts, t) != but + buts) return;
+    const double along = begin / (begin - last);
+    if (along < best.along && is_over(t, from + way * along)) best = {t, along};
+  });
   return best;
 }
 
@@ -64,4 +51,4 @@ std::optional<FeltMesh::Near> FeltMesh::nearest(Vec3 p, double reach_mm) const {
   return near;
 }
 
-}  // namespace trephine::peers
+}  // namespace trephine::touch
