@@ -189,6 +189,32 @@ inline MemoryCase make_case(const std::vector<Ball>& balls, int voxels) {
 /// A case of every part, as small as it can be: about 16 KiB.
 inline MemoryCase minimal_case() { return make_case({{"outer", 80, 7}, {"inner", 40, 4}}, 10); }
 
+/// A closed plate between two corners, with n x n squares on its large sides.
+inline surface::TriMesh plate(Vec3 low, Vec3 high, int n) {
+  surface::TriMesh m;
+  const auto at = [&](int side, int i, int j) { return std::uint32_t((side * (n + 1) + j) * (n + 1) + i); };
+  for (int side = 0; side < 2; ++side)
+    for (int j = 0; j <= n; ++j)
+      for (int i = 0; i <= n; ++i)
+        m.points_mm.push_back(
+            {low.x + (high.x - low.x) * i / n, low.y + (high.y - low.y) * j / n, side ? high.z : low.z});
+  const auto square = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+    m.triangles.push_back({a, b, c});
+    m.triangles.push_back({a, c, d});
+  };
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      square(at(1, i, j), at(1, i + 1, j), at(1, i + 1, j + 1), at(1, i, j + 1));
+      square(at(0, i, j), at(0, i, j + 1), at(0, i + 1, j + 1), at(0, i + 1, j));
+    }
+    square(at(0, i, 0), at(0, i + 1, 0), at(1, i + 1, 0), at(1, i, 0));
+    square(at(0, i + 1, n), at(0, i, n), at(1, i, n), at(1, i + 1, n));
+    square(at(0, 0, i + 1), at(0, 0, i), at(1, 0, i), at(1, 0, i + 1));
+    square(at(0, n, i), at(0, n, i + 1), at(1, n, i + 1), at(1, n, i));
+  }
+  return m;
+}
+
 /// A ball of bone around one of brain, in voxels of 0.64 mm, with a place to drill on top.
 inline MemoryCase drill_case() {
   MemoryCase c = make_case({{"skull", 14, 12}, {"brain", 8, 8}}, 48);
@@ -197,6 +223,35 @@ inline MemoryCase drill_case() {
   skull.material.removal_energy_j_per_mm3 = 0.1;
   skull.material.front.pop_through_n = 0;
   c.manifest.landmarks.push_back({"kocher_right", {1, -20, 314}, 1, "given"});
+  c.seal();
+  return c;
+}
+
+/// The same with a plate of metal above the place to drill, 16 mm wide and 1 mm thick, which is touched as a mesh.
+inline MemoryCase plate_case() {
+  MemoryCase c = drill_case();
+  cases::CaseManifest& m = c.manifest;
+  surface::TriMesh mesh = plate({-8, -8, 15}, {8, 8, 16}, 40);
+  mesh.origin_mm = m.center_mm;
+  cases::GlbParams params;
+  params.center_mm = m.center_mm;
+  params.name = "plate";
+  const std::string bytes = cases::make_glb(mesh, params);
+  m.files.push_back(cases::describe_case_file("meshes/plate", ".glb", bytes));
+  c.files[m.files.back().name] = bytes;
+  cases::CaseAnatomy a;
+  a.name = "plate";
+  a.file = m.files.back().name;
+  a.triangles = mesh.triangles.size();
+  const cases::GlbMesh read = cases::read_glb(std::string_view(bytes));
+  a.points = read.mesh.points_mm.size();
+  a.volume_ml = surface::volume_mm3(mesh) / 1000;
+  a.area_cm2 = surface::area_mm2(mesh) / 100;
+  a.touched_as.emplace();
+  a.touched_as->name = "metal";
+  a.touched_as->front = {true, 1.5, 0, 0.2, 0.15, 0};
+  a.touched_as->back.touchable = false;
+  m.anatomies.push_back(a);
   c.seal();
   return c;
 }

@@ -163,6 +163,26 @@ TEST(HapticScene, OneFunctionSaysWhatIsSeenAndTouched) {
                   "colour_rgb: is missing"));
 }
 
+// A surface beside the volume that is touched as a mesh.
+TEST(HapticScene, ASurfaceIsTouchedAsAMesh) {
+  const auto skin = [](const std::string& more) {
+    return with(live, "anatomies: {skin: {max_triangles: 90000}}",
+                "anatomies: {skin: {max_triangles: 90000" + more + "}}");
+  };
+  const config::CaseConfig c = read(beginning, skin(", touched_as: bone"));
+  ASSERT_EQ(c.scene.size(), 1u);
+  EXPECT_EQ(c.scene[0].material.name, "bone");
+  EXPECT_EQ(c.scene[0].material.front.stiffness_n_per_mm, 1);
+  EXPECT_TRUE(read(beginning, live).scene[0].material.name.empty());
+  const std::string at = "anatomies.skin.touched_as: ";
+  EXPECT_TRUE(has(fault(beginning, skin(", touched_as: bon")), at + "bon, no such material, did you mean bone?"));
+  EXPECT_TRUE(has(fault(beginning, skin(", touched_as: bone"),
+                        with(materials, "stiffness_n_per_mm: 1", "stiffness_n_per_mm: 1, pop_through_n: 2")),
+                  at + "bone: its front pops (pop_through_n)"));
+  const std::string volume = skin(", touched_as: bone");
+  EXPECT_TRUE(has(fault(beginning, volume.substr(0, volume.find("haptic:"))), at + "needs haptic: beside it"));
+}
+
 TEST(Scene, DoesWithoutWhatMayBeMissing) {
   const std::string scene =
       with(live, "anatomies: {skin: {max_triangles: 90000}}",

@@ -17,7 +17,7 @@ foreach(vendor dhd hd)
   set_target_properties(${vendor}_fake PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/stubs)
   target_link_libraries(${vendor}_fake PRIVATE Threads::Threads m)
 endforeach()
-foreach(script calibrate servo servo_adaptor servo_drill servo_pushed servo_sound servo_udp servo_vendors)
+foreach(script calibrate servo servo_adaptor servo_drill servo_pushed servo_sound servo_udp servo_vendors touched)
 add_test(NAME program.${script} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/${script}.sh)
 set_tests_properties(program.${script} PROPERTIES TIMEOUT 1800
   ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine-sim>;SOURCE=${PROJECT_SOURCE_DIR};WRITE_CASE=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/write_sample_case;STUB=$<TARGET_FILE:adaptor_stub>;PAD_STUB=$<TARGET_FILE:gamepad_stub>;SPNAV_STUB=$<TARGET_FILE:spnav_stub>;ASOUND_STUB=$<TARGET_FILE:asound_stub>;DHD_ADAPTOR=$<TARGET_FILE:force_dimension>;HD_ADAPTOR=$<TARGET_FILE:open_haptics>;DHD_FAKE=$<TARGET_FILE:dhd_fake>;HD_FAKE=$<TARGET_FILE:hd_fake>")

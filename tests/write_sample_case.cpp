@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// write_sample_case FOLDER [full|drill|play|head|head_drilled|spine|spine_without_ct|chest]: writes a small case of
-// every part, one of full size, one with bone to drill, one with bone under scalp, or a head, spine or chest for
+// write_sample_case FOLDER [full|drill|plate|play|head|head_drilled|spine|spine_without_ct|chest]: writes a small case
+// of every part, one of full size, one with bone to drill, one with bone under scalp, or a head, spine or chest for
 // lessons, for the tests of programs.
 #include <iostream>
 
@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
     }
     (kind == "full"    ? case_samples::full_size_case()
      : kind == "drill" ? case_samples::drill_case()
+     : kind == "plate" ? case_samples::plate_case()
      : kind == "play"  ? case_samples::play_case()
                        : case_samples::minimal_case())
         .write(argv[1]);

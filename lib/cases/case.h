@@ -41,6 +41,11 @@ struct CaseDeviation {
   std::string fault() const;
 };
 
+/// How many surfaces of a case may be touched as meshes.
+constexpr int max_touched_surfaces = 16;
+/// Says why a surface cannot be touched as a mesh with that material; empty where it can.
+std::string fault_of_mesh_material(const MaterialParams& material);
+
 struct CaseAnatomy {
   std::string name;
   std::string file;
@@ -51,6 +56,7 @@ struct CaseAnatomy {
   CaseDeviation deviation;
   double budget_asked_mm = 0, budget_used_mm = 0;
   CaseValues figures;
+  std::optional<CaseMaterial> touched_as;
   template <class V>
   static void describe(V& v) {
     using P = CaseAnatomy;
@@ -70,6 +76,10 @@ struct CaseAnatomy {
       in.number(&P::budget_used_mm, "used", case_range::length_mm, "The sum over the stages of what was used.");
     });
     v.map(&P::figures, "figures", "What else the stages reported; names end in their unit.").not_always();
+    v.group(&P::touched_as, "touched_as",
+            "The material of a surface that is touched as a mesh beside the haptic volume, on both of its sides as its "
+            "`front` says. Without it the surface is only seen.")
+        .not_always();
   }
   std::string fault() const;
 };

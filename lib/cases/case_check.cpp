@@ -105,7 +105,20 @@ void check_names(const CaseManifest& m) {
 
 std::string CaseDeviation::fault() const { return fault_of_largest(p99_mm, rms_mm, max_mm, ""); }
 std::string CaseMismatch::fault() const { return fault_of_largest(p99_mm, rms_mm, max_mm, "_mm"); }
-std::string CaseAnatomy::fault() const { return fault_of_figures(figures); }
+std::string fault_of_mesh_material(const MaterialParams& material) {
+  if (!material.front.touchable) return "its front is not touchable";
+  if (material.front.pop_through_n > 0)
+    return "its front pops (pop_through_n), and nothing goes through a surface that is touched as a mesh";
+  return "";
+}
+
+std::string CaseAnatomy::fault() const {
+  if (touched_as) {
+    if (file.empty()) return "touched_as: is there without a surface";
+    if (const std::string what = fault_of_mesh_material(*touched_as); !what.empty()) return "touched_as: " + what;
+  }
+  return fault_of_figures(figures);
+}
 std::string CaseBurrHole::fault() const {
   return std::abs(norm(direction) - 1) <= 1e-6 ? fault_of_figures(figures) : "direction: is not of length 1";
 }
@@ -119,6 +132,12 @@ std::string CaseManifest::fault() const {
       known = known || (text && *text == one);
     if (!known) return "figures.class: " + to_text(value).substr(0, 80) + ", is no class";
   }
+  const auto touched =
+      std::count_if(anatomies.begin(), anatomies.end(), [](const CaseAnatomy& a) { return a.touched_as.has_value(); });
+  if (touched > max_touched_surfaces)
+    return "anatomies: " + std::to_string(touched) + " are touched as meshes, at most " +
+           std::to_string(max_touched_surfaces) + " may be";
+  if (touched > 0 && haptic.file.empty()) return "anatomies: some are touched as meshes without a haptic volume";
   return fault_of_figures(figures);
 }
 

@@ -42,6 +42,7 @@ struct RecipeAnatomy : RecipeAnatomyParams {
 /// The limits that a scene sets for one anatomy; 0 means no limit.
 struct SceneAnatomy : SceneAnatomyParams {
   std::string name;
+  cases::CaseMaterial material;  ///< of `touched_as`
 };
 
 /// A shape of the scene's haptic volume, with what the voxelize stage's parameters do not say of it.

@@ -85,6 +85,7 @@ class SceneReader {
     for (const auto& [name, anatomy] : said.anatomies)
       if (find_item(said.anatomies, anatomy.stand_in))
         fault("anatomies", "anatomies." + name + ".stand_in", anatomy.stand_in + ", the scene shows it already");
+    check_touched(said, fault);
     if (said.haptic && said.materials.empty()) fault("haptic", "haptic", "needs materials: FILE beside it");
     for (const auto& [name, drill] : said.burr_holes)
       if (!find_item(said.anatomies, name) && !(said.haptic && find_item(said.haptic->shapes, name)))
@@ -98,6 +99,25 @@ class SceneReader {
     check_windows(*said.haptic, fault);
     for (const auto& [name, shape] : said.haptic->shapes)
       if (shape.clear_of == name) fault("haptic", "haptic.shapes." + name + ".clear_of", "is the shape itself");
+  }
+
+  // Of surfaces that are touched as meshes.
+  template <class Fault>
+  void check_touched(const SceneFileParams& said, const Fault& fault) const {
+    std::ptrdiff_t count = 0;
+    for (const auto& [name, anatomy] : said.anatomies) {
+      if (anatomy.touched_as.empty()) continue;
+      const std::string where = "anatomies." + name + ".touched_as", what = fault_of_material(r_, anatomy.touched_as);
+      const cases::MaterialParams* material = find_item(r_.materials, anatomy.touched_as);
+      const std::string unfit = material ? cases::fault_of_mesh_material(*material) : "";
+      if (!said.haptic)
+        fault("anatomies", where, "needs haptic: beside it, for a surface is touched beside the haptic volume");
+      else if (!what.empty() || !unfit.empty())
+        fault("anatomies", where, what.empty() ? anatomy.touched_as + ": " + unfit : what);
+      else if (++count == cases::max_touched_surfaces + 1)
+        fault("anatomies", where,
+              fmt::format("at most {} surfaces may be touched as meshes", cases::max_touched_surfaces));
+    }
   }
 
   // Of raw HU: what is touched of two shapes may not be the same.
@@ -161,6 +181,10 @@ void derive_scene(ConfigReading& r) {
       SceneAnatomy one;
       static_cast<SceneAnatomyParams&>(one) = *wanted;
       one.name = anatomy.name;
+      if (const cases::MaterialParams* material = find_item(r.materials, wanted->touched_as)) {
+        static_cast<cases::MaterialParams&>(one.material) = *material;
+        one.material.name = wanted->touched_as;
+      }
       if (said.strict) {
         one.may_be_missing = false;
         one.stand_in.clear();

@@ -17,7 +17,7 @@ struct SceneAnatomyParams {
   double max_deviation_mm = 0;
   std::int64_t max_triangles = 0;
   bool may_be_missing = false;
-  std::string stand_in;
+  std::string stand_in, touched_as;
   template <class V>
   static void describe(V& v) {
     using P = SceneAnatomyParams;
@@ -32,6 +32,9 @@ struct SceneAnatomyParams {
            "The anatomy of the recipe that stands for this one where it is refused (80), under this one's name; the "
            "case says so. Should that be refused too, may_be_missing counts.")
         .names("anatomy");
+    v.text(&P::touched_as, "touched_as",
+           "The material of a surface that is touched as a mesh beside the haptic volume, such as an implant, on both "
+           "of its sides as its `front` says. No tool cuts it.");
   }
 };
 

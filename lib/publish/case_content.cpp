@@ -189,6 +189,7 @@ class Builder {
         result<metrics::MeasureResult>(graph_.find_stage<metrics::MeasureParams>(nodes.name)).deviation.value().both;
     out.deviation = {deviation.max_mm, deviation.p99_mm, deviation.rms_mm};
     add_budget(recipe, out);
+    if (!limit.touched_as.empty()) out.touched_as = limit.material;
 
     AnatomyResult result;
     result.name = nodes.name;

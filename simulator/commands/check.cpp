@@ -85,6 +85,13 @@ void print_shape(const cases::CaseShape& s) {
         d.bias_mm, d.rms_mm, d.p99_mm, d.max_mm, 100 * d.missed_ratio, grouped_text(d.samples));
 }
 
+// Of a surface that is touched as a mesh.
+void print_touched(const cases::CaseAnatomy& a) {
+  const AnyParams material = AnyParams::make(static_cast<const cases::MaterialParams&>(*a.touched_as));
+  std::cout << fmt::format("  {} is touched as a mesh, on both sides as material {}: {}\n", printable(a.name),
+                           printable(a.touched_as->name), values_text(leaves_of(material), "front."));
+}
+
 void print_haptic(const cases::LoadedCase& c) {
   const cases::CaseHaptic& h = c.manifest.haptic;
   if (!c.has_haptic()) {
@@ -95,6 +102,8 @@ void print_haptic(const cases::LoadedCase& c) {
                            h.size[0], h.size[1], h.size[2], h.spacing_mm.x, h.spacing_mm.y, h.spacing_mm.z,
                            h.hardness_file.empty() ? "" : ", with hardness", h.shapes.size());
   for (const cases::CaseShape& s : h.shapes) print_shape(s);
+  for (const cases::CaseAnatomy& a : c.manifest.anatomies)
+    if (a.touched_as) print_touched(a);
 }
 
 std::string figure_text(const ParameterValue& value) {

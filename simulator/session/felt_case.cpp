@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "session/felt_case.h"
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "cases/load_hashed.h"
 #include "haptics/delayed_walls.h"
@@ -15,19 +17,43 @@ FeltCase::FeltCase(const std::filesystem::path& folder, const std::string& shape
   feels = haptics::feels_of(loaded.manifest.haptic);
   if (!loaded.has_haptic())
     throw Error(ExitCode::bad_input, folder.string(), "haptic", "the case has no haptic volume");
+  for (const cases::CaseShape& s : loaded.manifest.haptic.shapes) shapes[s.number] = s.name;
+  feel_beside();
   if (shape.empty()) return;
-  const voxel::HapticShape* only = loaded.haptic.find_shape(shape);
-  if (!only) {
-    std::string names;
-    for (const voxel::HapticShape& s : loaded.haptic.shapes) names += (names.empty() ? "" : ", ") + s.name;
-    throw Error(ExitCode::usage, "", "--shape", "the case has none of that name, but " + names);
+  int only = 0;
+  std::string names;
+  for (const auto& [number, name] : shapes) {
+    if (name == shape && only == 0) only = number;
+    names += (names.empty() ? "" : ", ") + name;
   }
-  for (int n = 1; n <= voxel::haptic_max_shapes; ++n)
-    if (n != only->number) {
-      haptics::ShapeFeel& f = feels[std::size_t(n)];
+  if (only == 0) throw Error(ExitCode::usage, "", "--shape", "the case has none of that name, but " + names);
+  for (std::size_t n = 1; n < feels.size(); ++n)
+    if (int(n) != only) {
+      haptics::ShapeFeel& f = feels[n];
       f = {};
       f.front.touchable = f.back.touchable = false;
     }
+}
+
+// The surfaces that are touched as meshes, in the case's order, and the ramps of a raw CT.
+void FeltCase::feel_beside() {
+  constexpr double skin_ratio = 0.00025;  // of a voxel's side: a quarter of the distance that tools keep from surfaces
+  const cases::CaseManifest& m = loaded.manifest;
+  std::vector<touch::MeshSurfaces::Part> parts;
+  for (std::size_t n = 0; n < m.anatomies.size() && n < loaded.surfaces.size(); ++n) {
+    const cases::CaseAnatomy& a = m.anatomies[n];
+    if (!a.touched_as || loaded.surfaces[n].triangles.empty()) continue;
+    const int number = touch::first_mesh_shape + int(parts.size());
+    parts.push_back({loaded.surfaces[n], number});
+    haptics::ShapeFeel& feel = feels[std::size_t(number)];
+    feel = *a.touched_as;
+    feel.back = feel.front;
+    shapes[number] = a.name;
+  }
+  const Vec3 s = loaded.haptic.voxels.spacing_mm;
+  if (!parts.empty())
+    meshes = std::make_shared<touch::MeshSurfaces>(std::move(parts), skin_ratio * std::min({s.x, s.y, s.z}));
+  if (touch::StiffnessRamps all(m.haptic); all.any()) ramps = std::make_shared<touch::StiffnessRamps>(std::move(all));
 }
 
 std::unique_ptr<haptics::Drilling> FeltCase::drilling_of(const haptics::RecordingHeader& header,
@@ -73,11 +99,12 @@ Rerun::Rerun(FeltCase& felt, contact::ContactVolume& contact, const std::string&
       port_(h.port, h.force, haptics::free_behind(felt.feels, h.free, h.port, h.rate_hz)),
       drilling_(felt.drilling_of(h, contact, marks)) {
   const haptics::Feels feels = haptics::feels_behind(felt.feels, h.free, h.port, h.rate_hz);
+  const touch::FeltSpace space(contact, felt.beside());
   if (h.tools.empty())
-    proxy_ = std::make_unique<haptics::Proxy>(contact, feels, h.force, h.shaft, tool_again(file, h.tool));
+    proxy_ = std::make_unique<haptics::Proxy>(space, feels, h.force, h.shaft, tool_again(file, h.tool));
   else
     belt_ = with_file(file, [&] {
-      return std::make_unique<haptics::ToolBelt>(contact, feels, h.force, h.shaft, h.tools, drilling_.get());
+      return std::make_unique<haptics::ToolBelt>(space, feels, h.force, h.shaft, h.tools, drilling_.get());
     });
 }
 

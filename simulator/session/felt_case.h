@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -8,6 +9,7 @@
 #include "haptics/feel.h"
 #include "haptics/recording.h"
 #include "haptics/tool_belt.h"
+#include "touch/felt_space.h"
 
 namespace trephine::session {
 
@@ -15,16 +17,24 @@ namespace trephine::session {
 struct FeltCase {
   cases::LoadedCase loaded;
   haptics::Feels feels;
-  std::string felt_shape, case_sha256;  ///< the second of the very case.json that was loaded
+  std::shared_ptr<const touch::MeshSurfaces> meshes;   ///< null where no surface is touched as a mesh
+  std::shared_ptr<const touch::StiffnessRamps> ramps;  ///< null where no stiffness follows HU
+  std::map<int, std::string> shapes;                   ///< names by number, of the volume and of the meshes
+  std::string felt_shape, case_sha256;                 ///< the second of the very case.json that was loaded
 
   /// Throws as load_case does; 65 where the case has no haptic volume; 64 for --shape where it has no such shape. If a
-  /// shape is given, no other can be touched.
+  /// shape is given, of the volume or a surface that is touched as a mesh, no other can be touched.
   FeltCase(const std::filesystem::path& folder, const std::string& shape, cases::LoadParts parts = {});
+  /// What is felt beside the volume; this must outlive it.
+  touch::Beside beside() const { return {meshes.get(), ramps.get()}; }
   /// The drill of the recording's tool; null where that tool cuts nothing. Throws as Drilling and cutter_of do.
   std::unique_ptr<haptics::Drilling> drilling_of(const haptics::RecordingHeader& header,
                                                  contact::ContactVolume& contact, drill::DirtyBricks* marks = nullptr);
   /// The case and shape of a recording.
   haptics::RecordingHeader header() const;
+
+ private:
+  void feel_beside();
 };
 
 /// What a lesson's recording has beside a session's: its tools, of which the burr drills where the case can be drilled.

@@ -111,13 +111,17 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
          {fmt::format("{:.2g}", ratio), fmt::format("{:g}", port.device_delay_ms),
           fmt::format("{:g}", 1e3 * port.device_own_damping_n_s_per_mm)}});
   if (port.device_delay_ms > 0 && !port.bounds_walls()) say(texts::NoteId::undamped_device);
+  const touch::FeltSpace space(patient_->contact, patient_->felt.beside());
+  if (drilling_ && patient_->felt.meshes)
+    for (const auto& [number, name] : patient_->felt.shapes)
+      if (touch::is_mesh(number)) say({texts::NoteId::mesh_not_cut, {name}});
   if (header_.tools.empty()) {
-    proxy_ = std::make_unique<haptics::Proxy>(patient_->contact, feels, options.force, options.shaft,
-                                              haptics::make_tool(header_.tool));
+    proxy_ =
+        std::make_unique<haptics::Proxy>(space, feels, options.force, options.shaft, haptics::make_tool(header_.tool));
     servo_.emplace(*proxy_, *device_, options.servo, queue, drilling_.get());
   } else {
-    belt_ = std::make_unique<haptics::ToolBelt>(patient_->contact, feels, options.force, options.shaft, header_.tools,
-                                                drilling_.get());
+    belt_ =
+        std::make_unique<haptics::ToolBelt>(space, feels, options.force, options.shaft, header_.tools, drilling_.get());
     servo_.emplace(*belt_, *device_, options.servo, queue);
   }
   servo_->set_port(&port_);
@@ -254,7 +258,7 @@ SessionResult Session::finish() {
   result.device_counts = device_->counts();
   result.frames_lost = queue_.dropped();
   result.cpu_s = cpu_s_;
-  for (const cases::CaseShape& s : patient_->felt.loaded.manifest.haptic.shapes) result.shapes[s.number] = s.name;
+  result.shapes = patient_->felt.shapes;
   result.jumps = port_.jumps();
   result.gaps = port_.gaps();
   if (drilling_) {

@@ -26,6 +26,7 @@ enum class NoteId {
   waiting_for_tracker,
   softer_walls,
   undamped_device,
+  mesh_not_cut,
   holding_mouse_3d,
   holding,
   // Of pictures.

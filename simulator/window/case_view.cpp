@@ -26,7 +26,7 @@ Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 CaseView::CaseView(std::shared_ptr<session::Patient> patient, const scene::ViewParams& params)
     : patient_(std::move(patient)), stage_(patient_->felt.loaded, params, patient_->uncut.get()) {
   camera = scene::camera_of(params, manifest(), stage_.scene());
-  for (const cases::CaseShape& s : manifest().haptic.shapes) shapes_[s.number] = s.name;
+  shapes_ = patient_->felt.shapes;
 }
 
 texts::Answer CaseView::set_view(const std::string& asked) {

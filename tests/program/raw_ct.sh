@@ -68,12 +68,18 @@ open(sys.argv[2] + ".ramp", "w").write(with_function)
 PY
 cp "$root/configs/scenes/raw.yaml" "$work/raw.yaml"
 mv "$root/configs/scenes/raw.yaml.ramp" "$root/configs/scenes/raw.yaml"
+sed -i 's/^  skin: {/  skin: {touched_as: metal, /' "$root/configs/scenes/raw.yaml"  # and a surface that is touched as a mesh
 make ramp
 python3 - "$work/out/ramp/case.json" <<'PY'
 import json, sys
-bone = [s for s in json.load(open(sys.argv[1]))["haptic"]["shapes"] if s["name"] == "bone"][0]
+case = json.load(open(sys.argv[1]))
+assert [a["touched_as"]["name"] for a in case["anatomies"] if "touched_as" in a] == ["metal"], case["anatomies"]
+bone = [s for s in case["haptic"]["shapes"] if s["name"] == "bone"][0]
+assert [p["stiffness_n_per_mm"] for p in bone["transfer"]["points"]] == [0.3, 0.5, 1.2], bone
 assert bone["window"][0] == 256 and len(bone["transfer"]["points"]) == 3 and bone["cuttable"], bone
 PY
+"$TREPHINE" servo "$work/out/ramp" --no-paced --seconds 3 --record "$work/skin.servo" >"$work/said" 2>&1 || { cat "$work/said"; fail "a surface beside a raw CT"; }
+"$TREPHINE" replay "$work/out/ramp" "$work/skin.servo" | grep -q '^replayed bit for bit$' || fail "no replay beside a surface"
 cover 0.99 ramp --cast haptic --transfer bone || fail "rays do not see bone whole"
 cp "$work/raw.yaml" "$root/configs/scenes/raw.yaml"
 
