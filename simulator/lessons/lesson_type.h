@@ -158,7 +158,8 @@ const LessonType& lesson_type(const std::string& name);
 std::vector<LessonTask> offered_tasks(const LessonType& type, const cases::CaseManifest& manifest);
 /// The task of that name, offered or not; throws Error 65 with the field `task` where the case holds no such task.
 LessonTask task_of(const LessonType& type, const cases::CaseManifest& manifest, const std::string& name);
-/// The task of that name, or without a name the usual one, which is empty where the case offers none. Throws as task_of.
+/// The task of that name, or without a name the usual one, which is empty where the case offers none. Throws as
+/// task_of.
 LessonTask task_or_usual(const LessonType& type, const cases::CaseManifest& manifest, const std::string& name);
 /// What a case offers to a lesson: its tasks, or why it cannot be exercised.
 struct LessonUse {

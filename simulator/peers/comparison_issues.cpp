@@ -30,7 +30,8 @@ void force_issues(const Comparison& c, const std::string& name, std::vector<std:
   const Spread anomaly = spread_of(c, name, true, [](const RunFigures& f) { return f.force.anomaly_ratio; });
   const Spread without = spread_of(c, name, true, [](const RunFigures& f) { return f.force.zero_force_ratio; });
   if (anomaly.most > 0)
-    out.push_back(fmt::format("anomalies of the force (coefficient {:.5f}, at most {:.5f})", anomaly.mean, anomaly.most));
+    out.push_back(
+        fmt::format("anomalies of the force (coefficient {:.5f}, at most {:.5f})", anomaly.mean, anomaly.most));
   if (without.mean > lost) out.push_back(fmt::format("no force in {:.1f} % of the frames", 100 * without.mean));
   int falls = 0, pokes = 0;
   for (const FallRow& r : c.falls) {
