@@ -121,7 +121,7 @@ function sceneChoice(page, fits) {
   const tellAbout = () => {
     about.textContent = (all.find(s => s.file === choice.value) || { about: '' }).about
   }
-  choice.value = (own || all[0]).file
+  choice.value = (all.find(s => s.chosen && fits(s)) || all.find(fits) || own).file
   const set = button(
     'set',
     async () => {
@@ -160,7 +160,7 @@ function valueLine(page, v) {
   return make(
     'tr',
     {},
-    make('td', { class: 'path' }, v.path.slice(groupOf(v.path).length + 1), make('br'), faint(`${t('source')} ${v.source}`)),
+    make('td', { class: 'path' }, nameInGroup(v.path), make('br'), faint(`${t('source')} ${v.source}`)),
     make(
       'td',
       {},
@@ -196,9 +196,10 @@ function valueLine(page, v) {
 
 // A stage of an anatomy, such as skull.decimate, with all of its parameters; their lines are made when it is opened.
 const groupOf = path => path.slice(0, Math.max(0, path.lastIndexOf('.')))
+const nameInGroup = path => path.slice(path.lastIndexOf('.') + 1)
 
 function valueGroup(page, group, values, open) {
-  const box = make('details', { 'data-group': group, open }, make('summary', { text: `${label(group)} (${values.length})` }))
+  const box = make('details', { 'data-group': group, open }, make('summary', { text: `${label(group || nameInGroup(values[0].path))} (${values.length})` }))
   const fill = () => {
     if (box.open && box.children.length === 1)
       box.append(
