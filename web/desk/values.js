@@ -199,7 +199,8 @@ const groupOf = path => path.slice(0, Math.max(0, path.lastIndexOf('.')))
 const nameInGroup = path => path.slice(path.lastIndexOf('.') + 1)
 
 function valueGroup(page, group, values, open) {
-  const box = make('details', { 'data-group': group, open }, make('summary', { text: `${label(group || nameInGroup(values[0].path))} (${values.length})` }))
+  const title = `${label(group || nameInGroup(values[0].path))} (${values.length})`,
+    box = make('details', { 'data-group': group, open }, make('summary', { text: title }))
   const fill = () => {
     if (box.open && box.children.length === 1)
       box.append(
