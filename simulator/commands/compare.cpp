@@ -21,7 +21,13 @@ namespace {
 
 // The one that is named; else the first that can be drilled, which bone is; else the first.
 const voxel::HapticShape& shape_to_feel(const session::FeltCase& felt) {
-  if (!felt.felt_shape.empty()) return *felt.loaded.haptic.find_shape(felt.felt_shape);
+  if (!felt.felt_shape.empty()) {
+    const voxel::HapticShape* named = felt.loaded.haptic.find_shape(felt.felt_shape);
+    if (!named)
+      throw Error(ExitCode::usage, "", "--shape",
+                  felt.felt_shape + " is felt as a mesh, and the algorithms are compared in the haptic volume");
+    return *named;
+  }
   const std::uint64_t drilled = haptics::drilled_shapes(felt.loaded.manifest.haptic);
   for (const voxel::HapticShape& shape : felt.loaded.haptic.shapes)
     if (drilled >> shape.number & 1) return shape;

@@ -104,6 +104,12 @@ ExitCode run_play(const cli::ParsedCommand& given) {
     throw Error(ExitCode::usage, "", "--playback, --record", "a recording is shown or made, not both");
   if (parsed.has("lesson")) o.lesson = lesson_of(parsed);
   o.session.record_server_port = params.record_server_port;
+  for (const device::DeviceType& type : device::device_types())
+    if (params.record_server_port > 0 && type.placed && type.name == o.session.device.name)
+      throw Error(ExitCode::usage, "", "--record-server-port",
+                  "and --device " + type.name +
+                      " do not go together: the server knows nothing of the error with which a "
+                      "tracked tool lies, and would judge rows that it does not bear");
   if (params.record_server_port > 0 && !o.lesson)
     throw Error(ExitCode::usage, "", "--record-server-port", "is of a --lesson");
   for (const char* own : {"participant", "task", "rubric", "out", "approved_sha256"})

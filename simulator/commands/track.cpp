@@ -27,6 +27,7 @@ using Kind = cli::Argument::Kind;
 
 struct PivotCommandParams {
   std::string tool_body, reference_body, lesson_tool;
+  double tip_ball_mm = 0;
   int pivot_poses = 400, spin_poses = 200;
   template <class V>
   static void describe(V& v) {
@@ -35,6 +36,9 @@ struct PivotCommandParams {
     v.text(&P::reference_body, "reference_body",
            "Its name for a body beside the hollow, which may then move; empty: poses are of the tracker's own frame.");
     v.text(&P::lesson_tool, "lesson_tool", "Which tool of a lesson it is, such as catheter; empty: any other.");
+    v.number(&P::tip_ball_mm, "tip_ball_mm", Range{0, 20},
+             "Diameter of the ball that the tip is, such as a burr's: the tool is turned about its middle, and touches "
+             "and drills with its foremost point.");
     v.integer(&P::pivot_poses, "pivot_poses", Range{40, 100000}, "Poses that are taken while it is tilted.");
     v.integer(&P::spin_poses, "spin_poses", Range{0, 100000},
               "Poses that are taken while it is turned about its axis; 0: the axis leads from the tip to the body's "
@@ -88,6 +92,9 @@ ExitCode run_pivot(const cli::ParsedCommand& parsed) {
   const auto& p = parsed.params<PivotCommandParams>();
   if (p.tool_body.empty())
     throw Error(ExitCode::usage, "", "--tool-body", "is needed: the tracker's name for the tool");
+  if (p.spin_poses > 0 && p.spin_poses < int(track::least_poses))
+    throw Error(ExitCode::usage, "", "--spin-poses",
+                fmt::format("{}, must be 0 or at least {}", p.spin_poses, track::least_poses));
   if (p.tool_body == p.reference_body) throw Error(ExitCode::usage, "", "--reference-body", "is the tool itself");
   track::PoseSource source(parsed.params<track::TrackerParams>(), {p.tool_body}, p.reference_body);
   const track::PivotTip tip = track::pivot_tip(
@@ -97,6 +104,7 @@ ExitCode run_pivot(const cli::ParsedCommand& parsed) {
   track::TrackedTool tool;
   tool.body = p.tool_body;
   tool.lesson_tool = p.lesson_tool;
+  tool.tip_ball_mm = p.tip_ball_mm;
   tool.tip_mm = tip.tip_mm;
   tool.residual_mm = tip.residual_mm;
   tool.tip_error_mm = tip.tip_error_mm;
@@ -146,7 +154,7 @@ void check_tools(track::PoseSource& source, const std::vector<track::TrackedTool
     const Vec3 tip = to_case(
         mean_tip(asked(source, int(n), poses, "check: hold the tip of " + printable(tools[n].body) + " on any mark"),
                  tools[n].tip_mm));
-    const double off = track::check_off_mm(print, tip, n == 0 ? params.tip_ball_mm : 0);
+    const double off = track::check_off_mm(print, tip, tools[n].tip_ball_mm);
     say(fmt::format("{}: {:.2f} mm off the nearest mark", printable(tools[n].body), off));
     if (!(off <= params.largest_check_mm))
       throw refusal("tools",
@@ -165,16 +173,18 @@ std::vector<std::string> bodies_of(const std::vector<track::TrackedTool>& tools)
 
 ExitCode run_register_print(const cli::ParsedCommand& parsed) {
   const auto& p = parsed.params<RegisterCommandParams>();
-  const auto& params = parsed.params<track::MarkParams>();
+  track::MarkParams params = parsed.params<track::MarkParams>();
   const std::string file = parsed.text("print");
   const lesson::PrintRecord print = lesson::read_print(file);
   track::Tracking t;
   for (const std::string& tool : parsed.all("tool")) {
     t.tools.push_back(track::read_tool(tool));
-    for (std::size_t n = 0; n + 1 < t.tools.size(); ++n)
-      if (t.tools[n].body == t.tools.back().body || t.tools.back().body == p.reference_body)
-        throw Error(ExitCode::usage, tool, "body", t.tools.back().body + ", is another tool's, or the reference");
+    const track::TrackedTool& last = t.tools.back();
+    bool twice = last.body == p.reference_body;
+    for (std::size_t n = 0; n + 1 < t.tools.size(); ++n) twice = twice || t.tools[n].body == last.body;
+    if (twice) throw Error(ExitCode::usage, tool, "body", last.body + ", is another tool's, or the reference");
   }
+  params.tip_ball_mm = t.tools.front().tip_ball_mm;
   const std::vector<std::size_t> marks = marks_of(p.marks, print);
   if (marks.size() < lesson::least_marks)
     throw Error(ExitCode::usage, file, "--marks",

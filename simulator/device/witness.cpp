@@ -100,9 +100,10 @@ class WitnessedDevice : public Device {
     if (there && !out.silent) {
       const int command = haptics::belt_button::command(out.buttons);
       if (command != given_ && !commands_.push(given_ = command)) silent_now_ = true;  // nothing may be forgotten
-      if (stepped_ && norm(out.tip_mm - last_mm_) > most_step_mm)
+      const bool lifted = out.buttons & haptics::haptic_button::lifted;                // which may be placed anywhere
+      if (stepped_ && !lifted && norm(out.tip_mm - last_mm_) > most_step_mm)
         quiet_until_.store((Clock::now() + gap).time_since_epoch(), std::memory_order_relaxed);
-      stepped_ = true;
+      stepped_ = !lifted;
       last_mm_ = out.tip_mm;
       readings_.write(out);
     }

@@ -16,8 +16,10 @@ bool ProxyPoint::begin(const HapticInput& in) {
   Vec3 from = in.tip_mm;
   if (contact_.inside_mesh(from, ground_.faces)) {
     const auto m = contact_.meshes()->nearest(from, from, touch::WayOut::farthest_mm, ground_.faces.front);
-    state_.proxy_mm = from = m.point_mm - m.normal * ground_.margin_mm;
-    state_.inside = contact_.shape_at(from);
+    if (m.shape != 0) {  // else it is deeper than that in the mesh, and begins where it is
+      state_.proxy_mm = from = m.point_mm - m.normal * ground_.margin_mm;
+      state_.inside = contact_.shape_at(from);
+    }
   }
   const int inside = state_.inside;
   if (!ground_.is_solid(inside)) return true;

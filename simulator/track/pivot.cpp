@@ -14,7 +14,7 @@
 namespace trephine::track {
 namespace {
 
-constexpr std::size_t least_poses = 40, parts = 8;
+constexpr std::size_t parts = 8;
 constexpr int rounds = 12;
 constexpr double least_scale_mm = 0.05;  // of what is taken for a slip
 constexpr double most_outliers = 0.3;

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstddef>
 #include <vector>
 
 #include "base/params.h"
 #include "base/rigid_fit.h"
 
 namespace trephine::track {
+
+/// Fewer say too little of a tip or an axis.
+constexpr std::size_t least_poses = 40;
 
 struct PivotParams {
   double least_spread_deg = 10, largest_pivot_mm = 1.5, largest_tip_error_mm = 0.5;

@@ -157,6 +157,13 @@ PrintPlace place_print(const lesson::PrintRecord& print, const std::vector<std::
                               middles.size(), lesson::least_marks),
                   touch_again);
   }
+  // Four of many fit the marks of another head, too.
+  if (4 * (middles.size() - fit.marks) > middles.size())
+    throw refusal(
+        "marks",
+        fmt::format("{} of {} that were touched do not lie as the print's do, at most a quarter may be left out",
+                    middles.size() - fit.marks, middles.size()),
+        touch_again);
   if (fit.residual_mm > params.largest_marks_mm)
     throw refusal("marks",
                   fmt::format("they lie {:.2f} mm off, at most {:g} (largest_marks_mm) are allowed", fit.residual_mm,

@@ -12,11 +12,11 @@
 namespace trephine::track {
 
 struct MarkParams {
-  double tip_ball_mm = 0, largest_touch_mm = 1.2, largest_marks_mm = 1, largest_target_mm = 3, largest_check_mm = 1.5;
+  double tip_ball_mm = 0;  ///< of the tool that touches; its file has it
+  double largest_touch_mm = 1.2, largest_marks_mm = 1, largest_target_mm = 3, largest_check_mm = 1.5;
   template <class V>
   static void describe(V& v) {
     using P = MarkParams;
-    v.number(&P::tip_ball_mm, "tip_ball_mm", Range{0, 20}, "Diameter of the ball that the tip is, such as a burr's.");
     v.number(&P::largest_touch_mm, "largest_touch_mm", Range{0.05, 10},
              "Refuse a mark whose touched places lie farther off a sphere of its size, root mean square.");
     v.number(&P::largest_marks_mm, "largest_marks_mm", Range{0.05, 10},

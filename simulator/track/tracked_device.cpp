@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "haptics/haptic_state.h"
+
 namespace trephine::track {
 namespace {
 
@@ -67,7 +69,8 @@ void TrackedDevice::found(int tool, const RigidMap& tool_to_reference, double no
   const TrackedTool& is = tracking_.tools[std::size_t(tool)];
   Pose pose;
   pose.tool = tool;
-  pose.tip_mm = reference_to_case_(tool_to_reference(is.tip_mm));
+  const Vec3 foremost = is.tip_mm - is.axis * (0.5 * is.tip_ball_mm);  // what the simulator means by a tip
+  pose.tip_mm = reference_to_case_(tool_to_reference(foremost));
   pose.axis = normalized(reference_to_case_.turn * (tool_to_reference.turn * is.axis));
   pose.at_s = now_s;
   poses_.write(pose);
@@ -78,7 +81,7 @@ bool TrackedDevice::read(double, device::DeviceReading& out) {
   const Pose before = newest_;
   if (poses_.read(newest_) && newest_.tool == wanted_.load(std::memory_order_relaxed)) {
     // After a gap it is there at once.
-    const bool goes_on = known_ && !silent_;
+    const bool goes_on = known_ && !silent_ && newest_.tool == before.tool;
     from_.tip_mm = shown_mm_, from_.axis = axis_;
     span_s_ = goes_on ? std::clamp(newest_.at_s - before.at_s, 0.0, longest_span_s) : 0;
     known_ = true;
@@ -97,6 +100,8 @@ bool TrackedDevice::read(double, device::DeviceReading& out) {
   out.tip_mm = shown_mm_;
   out.axis = axis_;
   out.silent = lost;
+  // Where it is nobody knows before its first pose: it is nowhere, and no session begins there.
+  if (!known_ || newest_.tool != wanted_.load(std::memory_order_relaxed)) out.buttons |= haptics::haptic_button::lifted;
   return true;
 }
 

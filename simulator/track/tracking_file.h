@@ -16,7 +16,7 @@ struct TrackedTool {
   int trephine_tool = 1;
   std::string body, lesson_tool;
   Vec3 tip_mm, axis{0, 0, 1};
-  double residual_mm = 0, tip_error_mm = 0, spread_deg = 0;
+  double tip_ball_mm = 0, residual_mm = 0, tip_error_mm = 0, spread_deg = 0;
   std::int64_t poses_count = 0, outliers_count = 0;
   template <class V>
   static void describe(V& v) {
@@ -24,7 +24,9 @@ struct TrackedTool {
     v.integer(&P::trephine_tool, "trephine_tool", Range{1, 1}, "The version of the format: 1.").is_required();
     v.text(&P::body, "body", "The tracker's name for the body that is fixed to it.").is_required();
     v.text(&P::lesson_tool, "lesson_tool", "The tool of a lesson for which it is taken; empty: any other.");
-    v.numbers(&P::tip_mm, "tip_mm", Range{-1e4, 1e4}, "Its tip in the body's frame.").is_required();
+    v.numbers(&P::tip_mm, "tip_mm", Range{-1e4, 1e4}, "Its tip in the body's frame; of a ball its middle.")
+        .is_required();
+    v.number(&P::tip_ball_mm, "tip_ball_mm", Range{0, 20}, "Diameter of the ball that the tip is; 0: none.");
     v.numbers(&P::axis, "axis", Range{-1.000001, 1.000001}, "Unit, in the body's frame, from its tip to its tail.")
         .is_required();
     v.number(&P::residual_mm, "residual_mm", Range{0, 1e3},

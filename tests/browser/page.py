@@ -439,10 +439,12 @@ class Page:
         self.check(off["covered"] > 40 and off["median"] <= 2 and off["p95"] <= 8, f"shifted and cut: {off}")
         self.set("shift", "0"), self.set("clip", "-1")
         # A surface that hides all of it.
-        seen = self.pixels()
+        self.set("cast", "bone")
         self.b.js("const m = trephine.meshes[0]; m.visible = true; m.kept = m.opacity; m.opacity = 1; trephine.render()")
-        behind = self.b.js(REFERENCE, 400)
-        self.check(differ(seen, self.pixels()) > 60, f"an opaque surface hides what lies behind it: {behind}")
+        with_rays = self.pixels()
+        self.set("cast", "nothing"), self.b.js("trephine.render()")
+        without = self.pixels()
+        self.check(differ(with_rays, bare) > 60 and differ(with_rays, without) < 60, "an opaque surface hides the bone that lies behind it")
         self.set("cast", "nothing")
         self.b.js("trephine.meshes.forEach(m => { m.visible = true; if (m.kept) m.opacity = m.kept }); trephine.cam.dist *= 2; trephine.state.showMarks = true; trephine.render()")
 
