@@ -64,12 +64,12 @@ struct Scene {
   voxel::HapticVolume volume;
   std::unique_ptr<contact::ContactVolume> contact;
   std::unique_ptr<touch::MeshSurfaces> meshes;
-  explicit Scene(std::vector<touch::MeshSurfaces::Part> parts,
+  explicit Scene(const std::vector<touch::MeshSurfaces::Part>& parts,
                  voxel::HapticVolume v = haptic_scenes::empty(8, {0.5, 0.5, 0.5}))
       : volume(std::move(v)) {
     if (volume.shapes.empty()) volume.shapes = {voxel::occupancy_shape("none", 1)};
     contact = std::make_unique<contact::ContactVolume>(volume);
-    meshes = std::make_unique<touch::MeshSurfaces>(std::move(parts), 0.00025 * contact->smallest_side_mm());
+    meshes = std::make_unique<touch::MeshSurfaces>(parts, 0.00025 * contact->smallest_side_mm());
   }
   touch::FeltSpace space() const { return {*contact, {meshes.get(), nullptr}}; }
 };

@@ -51,8 +51,7 @@ void FeltCase::feel_beside() {
     shapes[number] = a.name;
   }
   const Vec3 s = loaded.haptic.voxels.spacing_mm;
-  if (!parts.empty())
-    meshes = std::make_shared<touch::MeshSurfaces>(std::move(parts), skin_ratio * std::min({s.x, s.y, s.z}));
+  if (!parts.empty()) meshes = std::make_shared<touch::MeshSurfaces>(parts, skin_ratio * std::min({s.x, s.y, s.z}));
   if (touch::StiffnessRamps all(m.haptic); all.any()) ramps = std::make_shared<touch::StiffnessRamps>(std::move(all));
 }
 

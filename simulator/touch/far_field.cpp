@@ -31,7 +31,8 @@ FarField::FarField(const surface::TriMesh& mesh, const surface::TriangleTree& tr
   parallel_for(0, std::int64_t(size_[1]) * size_[2], 16, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t row = begin; row < end; ++row)
       for (int i = 0; i < size_[0]; ++i) {
-        const Vec3 middle = low_ + Vec3{i + 0.5, double(row % size_[1]) + 0.5, double(row / size_[1]) + 0.5} * cell_mm_;
+        const std::int64_t j = row % size_[1], k = row / size_[1];
+        const Vec3 middle = low_ + Vec3{i + 0.5, double(j) + 0.5, double(k) + 0.5} * cell_mm_;
         const double distance = std::sqrt(tree.squared_distance(middle, limit * limit));
         least_[std::size_t(row) * std::size_t(size_[0]) + std::size_t(i)] =
             float(std::max(0.0, distance - half - rounding_mm));

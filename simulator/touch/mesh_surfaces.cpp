@@ -59,7 +59,7 @@ void NearFacets::sort() {
   std::array<int, steps + 1> at{};
   const float scale = float(steps / (reach_mm + slack_mm));
   const auto step_of = [&](int n) { return std::min(steps - 1, int(unsorted_mm[std::size_t(n)] * scale)); };
-  for (int n = 0; n < count; ++n) ++at[std::size_t(step_of(n) + 1)];
+  for (int n = 0; n < count; ++n) ++at[std::size_t(step_of(n)) + 1];
   for (std::size_t s = 1; s < at.size(); ++s) at[s] += at[s - 1];
   for (int n = 0; n < count; ++n) {
     const auto to = std::size_t(at[std::size_t(step_of(n))]++);
@@ -77,7 +77,7 @@ double MeshSurfaces::Line::from_it(Vec3 place) const {
   return norm(off - way * std::clamp(dot(off, way) * share, 0.0, 1.0));
 }
 
-MeshSurfaces::MeshSurfaces(std::vector<Part> parts, double skin_mm)
+MeshSurfaces::MeshSurfaces(const std::vector<Part>& parts, double skin_mm)
     : mesh_(together(parts)), far_(mesh_.mesh(), mesh_.tree()), origin_mm_(mesh_.mesh().origin_mm), skin_mm_(skin_mm) {
   sides_.reserve(triangles());
   shape_.reserve(triangles());

@@ -52,7 +52,7 @@ class MeshSurfaces {
   };
   /// `parts`: at least one, at most max_meshes, of different shapes. `skin_mm` is above 0. Throws Error 65 as FeltMesh
   /// does.
-  MeshSurfaces(std::vector<Part> parts, double skin_mm);
+  MeshSurfaces(const std::vector<Part>& parts, double skin_mm);
 
   std::uint64_t shapes() const { return shapes_; }  ///< bit n: shape n
   std::size_t triangles() const { return mesh_.mesh().triangles.size(); }
