@@ -40,8 +40,8 @@ TEST(Materials, AllAreSoundAndWithinADesktopDevicesReach) {
       EXPECT_LE(f.stiffness_n_per_mm, 2 * (0.0008 - f.damping_n_s_per_mm) / 0.001) << m.name;
     }
   }
-  EXPECT_EQ(names, (std::set<std::string>{"artery", "bone", "brain", "csf", "disc", "dura", "lung", "pleura", "skin",
-                                          "soft_tissue", "vein"}));
+  EXPECT_EQ(names, (std::set<std::string>{"artery", "bone", "brain", "csf", "disc", "dura", "lung", "metal", "pleura",
+                                          "skin", "soft_tissue", "vein"}));
 }
 
 TEST(Materials, TheyDifferAsTissuesDo) {
