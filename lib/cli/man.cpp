@@ -136,6 +136,8 @@ std::string command_page(const Program& program, const Command& c) {
   for (std::size_t i = 0; i < parts.size(); ++i) {
     std::string part = i == 0 ? bold(parts[i]) : literal(parts[i]);
     for (std::size_t at = 0; (at = part.find(' ', at)) != std::string::npos; at += 2) part.replace(at, 1, "\\ ");
+    // Between choices a line may be broken.
+    for (std::size_t at = 0; (at = part.find('|', at)) != std::string::npos; at += 3) part.replace(at, 1, "|\\:");
     if (part.back() == '.') part += "\\&";  // "..." does not end a sentence
     page += line(part);
   }

@@ -79,11 +79,6 @@ ExitCode run_record_server(const cli::ParsedCommand& parsed) {
   const cases::CaseManifest& manifest = patient->felt.loaded.manifest;
   const lessons::LessonType& type = lessons::lesson_type(p.module);
   with_file((parsed.path("case") / "case.json").string(), [&] { type.require(manifest); });
-  if (const auto approval = lesson::read_approval(parsed.path("case"));
-      !approval || approval->case_sha256 != patient->felt.case_sha256)
-    log_warning(parsed.text("case") +
-                ": is not approved, so that a signature of the lesson says nothing of the case: look at it, and run "
-                "`trephine library approve`");
   session::SessionOptions o;
   o.case_folder = parsed.path("case");
   o.device.name = "udp";
@@ -122,6 +117,11 @@ ExitCode run_record_server(const cli::ParsedCommand& parsed) {
         },
         patient);
     session.start();
+    if (const auto approval = lesson::read_approval(parsed.path("case"));
+        !approval || approval->case_sha256 != patient->felt.case_sha256)
+      log_warning(parsed.text("case") +
+                  ": is not approved, so that a signature of the lesson says nothing of the case: look at it, and run "
+                  "`trephine library approve`");
     follow(session, stop, seen);
     result = session.finish();
     for (const haptics::ServoFrame& f : session.last_frames()) seen.bytes(&f, sizeof f);
