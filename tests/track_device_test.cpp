@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/write_file.h"
+#include "haptics/haptic_state.h"
 #include "scratch_folder.h"
 #include "track/pose_source.h"
 #include "track/tracked_device.h"
@@ -81,6 +82,27 @@ TEST(TrackedDevice, ItsPosesAreThoseOfTheCase) {
 }
 
 // 200 mm/s at 50 Hz are steps of 4 mm; no tick sees one.
+// It was turned about the ball's middle, and touches with its foremost point.
+TEST(TrackedDevice, ATipThatIsABallIsItsForemostPoint) {
+  const Theatre theatre;
+  Tracking ball = tracking_of(theatre);
+  ball.tools[0].tip_ball_mm = 4;
+  double now_s = 10;
+  TrackedDevice device(ball, {}, 0.2, 0.2, [&] { return now_s; });
+  track::MessageStream stream;
+  const Vec3 axis = normalized(Vec3{0.2, -0.1, 1});
+  device::DeviceReading reading;
+  EXPECT_TRUE(device.read(0.001, reading));
+  EXPECT_TRUE(reading.silent && (reading.buttons & haptics::haptic_button::lifted)) << "it was never seen";
+  for (const Bytes& bytes : {transform("Pointer", theatre.body_at({1, 2, 3}, axis), 510),
+                             transform("Head", theatre.reference_to_tracker, 510)})
+    ASSERT_TRUE(feed(stream, bytes, [&](const auto& h, const auto& c) { device.take(h, c); }));
+  now_s += 0.001;
+  EXPECT_TRUE(device.read(0.001, reading));
+  EXPECT_LT(norm(reading.tip_mm - (Vec3{1, 2, 3} - axis * 2)), 2e-3);
+  EXPECT_EQ(reading.buttons, 0u);
+}
+
 TEST(TrackedDevice, BetweenPosesItMovesEvenly) {
   Scene s;
   for (int n = 0; n < 40; ++n) {

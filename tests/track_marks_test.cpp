@@ -185,6 +185,18 @@ TEST(TrackMarks, OneThatWasMissedDoesNotMatter) {
   EXPECT_LT(norm(place.reference_to_case(t.case_to_reference({0, 0, 0}))), 1e-5);
 }
 
+// Four of eight may fit those of another head.
+TEST(TrackMarks, MoreThanAQuarterThatWasMissedIsRefused) {
+  const Theatre t;
+  const lesson::PrintRecord print = a_print();
+  Random random(8);
+  std::vector<Vec3> all = middles(t, print, 0, random, t.tip_mm);
+  all[4] += {9, 0, 0}, all[6] += {0, 11, 0};
+  EXPECT_EQ(place_print(print, every(print), all, {}).fit.marks, 6u);
+  all[1] += {0, 0, 13};
+  EXPECT_TRUE(holds(refused([&] { place_print(print, every(print), all, {}); }), "3 of 8"));
+}
+
 TEST(TrackMarks, MirroredScaledFewAndWrongAreRefusedWithWhatToDo) {
   const Theatre t;
   const lesson::PrintRecord print = a_print();

@@ -53,4 +53,5 @@ PY
 # It can be felt alone, and what is not there is named.
 "${servo[@]}" --shape plate --trajectory "$work/path.txt" --seconds 1 >"$work/text" || fail "the plate alone"
 expect 64 'shape: the case has none of that name, but skull, brain, plate' "${servo[@]}" --shape screw --trajectory "$work/path.txt" --seconds 1
+expect 64 'plate is felt as a mesh, and the algorithms are compared in the haptic volume' "$TREPHINE" compare "$work/case" --shape plate --out "$work/compare"
 echo ok
