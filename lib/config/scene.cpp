@@ -112,8 +112,6 @@ class SceneReader {
       const std::string unfit = material ? cases::fault_of_mesh_material(*material) : "";
       if (!said.haptic)
         fault("anatomies", where, "needs haptic: beside it, for a surface is touched beside the haptic volume");
-      else if (find_item(said.haptic->shapes, name))
-        fault("anatomies", where, "is felt as a shape of the haptic volume already: leave one of both out");
       else if (!what.empty() || !unfit.empty())
         fault("anatomies", where, what.empty() ? anatomy.touched_as + ": " + unfit : what);
       else if (++count == cases::max_touched_surfaces + 1)
