@@ -1,5 +1,5 @@
-// Rays through the CT, as trephine-sim casts them (simulator/cast): front to back, lit by the gradient, empty bricks skipped,
-// ended by the opaque surfaces and by the cut. WebGL2 alone.
+// Rays through the CT by trephine-sim's transfer functions, lit from the eye as the page's surfaces are: front to back, empty
+// bricks skipped, ended by the opaque surfaces and by the cut. WebGL2 alone.
 const brickVoxels = 8
 
 const castVertex = `#version 300 es

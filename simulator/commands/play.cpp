@@ -104,12 +104,12 @@ ExitCode run_play(const cli::ParsedCommand& given) {
     throw Error(ExitCode::usage, "", "--playback, --record", "a recording is shown or made, not both");
   if (parsed.has("lesson")) o.lesson = lesson_of(parsed);
   o.session.record_server_port = params.record_server_port;
-  for (const device::DeviceType& type : device::device_types())
-    if (params.record_server_port > 0 && type.placed && type.name == o.session.device.name)
-      throw Error(ExitCode::usage, "", "--record-server-port",
-                  "and --device " + type.name +
-                      " do not go together: the server knows nothing of the error with which a "
-                      "tracked tool lies, and would judge rows that it does not bear");
+  const bool placed = device::is_placed(o.session.device.name);
+  if (params.record_server_port > 0 && placed)
+    throw Error(ExitCode::usage, "", "--record-server-port",
+                "and --device " + o.session.device.name +
+                    " do not go together: the server knows nothing of the error with which a tracked tool lies, and "
+                    "would judge rows that it does not bear");
   if (params.record_server_port > 0 && !o.lesson)
     throw Error(ExitCode::usage, "", "--record-server-port", "is of a --lesson");
   for (const char* own : {"participant", "task", "rubric", "out", "approved_sha256"})
@@ -118,10 +118,9 @@ ExitCode run_play(const cli::ParsedCommand& given) {
   if (parsed.has("screen")) {
     if (o.session.device.name.empty() || !o.playback.empty())
       throw Error(ExitCode::usage, "", "--screen", "says where a --device lies; the mouse and a playback need none");
-    for (const device::DeviceType& type : device::device_types())
-      if (type.placed && type.name == o.session.device.name)
-        throw Error(ExitCode::usage, "", "--screen, --device " + type.name,
-                    "do not go together: the tool is in the print, and not before the screen");
+    if (placed)
+      throw Error(ExitCode::usage, "", "--screen, --device " + o.session.device.name,
+                  "do not go together: the tool is in the print, and not before the screen");
     // The registration alone says where the tool is: another scale, place or a clutch would take it away from the hand.
     const device::WorkspaceParams& own = o.session.workspace;
     const device::WorkspaceParams none;

@@ -18,10 +18,9 @@ session::SessionOptions session_options_of(const cli::ParsedCommand& parsed) {
     for (const cli::Argument& file : type.files)
       if (parsed.has(file.name)) o.device.files[file.name] = parsed.path(file.name);
   o.workspace = parsed.params<device::WorkspaceParams>();
-  for (const device::DeviceType& type : device::device_types())
-    if (type.placed && type.name == o.device.name && !device::is_unmoved(o.workspace))
-      throw Error(ExitCode::usage, "", "--device " + type.name + ", --workspace-...",
-                  "do not go together, on the command line or in --settings: the registration says where the tool is");
+  if (device::is_placed(o.device.name) && !device::is_unmoved(o.workspace))
+    throw Error(ExitCode::usage, "", "--device " + o.device.name + ", --workspace-...",
+                "do not go together, on the command line or in --settings: the registration says where the tool is");
   o.servo = parsed.params<haptics::ServoParams>();
   o.contact = parsed.params<contact::ContactParams>();
   o.force = parsed.params<haptics::ForceParams>();

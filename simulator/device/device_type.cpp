@@ -31,6 +31,11 @@ void check_files(const DeviceChoice& choice) {
 
 }  // namespace
 
+bool is_placed(const std::string& name) {
+  return std::any_of(device_types().begin(), device_types().end(),
+                     [&](const DeviceType& type) { return type.placed && type.name == name; });
+}
+
 std::unique_ptr<Device> make_device(const DeviceChoice& choice, const DeviceScene& scene) {
   const DeviceType& type = type_of(choice.name);
   check_files(choice);

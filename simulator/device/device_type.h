@@ -77,6 +77,8 @@ struct DeviceType {
 
 /// All kinds, in the order of their names.
 const std::vector<DeviceType>& device_types();
+/// Whether the kind of that name is `placed`; false where there is none of that name.
+bool is_placed(const std::string& name);
 
 /// Throws Error 64 where a file is missing or belongs to another kind, where there is no such kind, and where a kind
 /// that runs in real time is used without a clock; else what its kind throws.
