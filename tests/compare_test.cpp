@@ -206,11 +206,23 @@ TEST(Compare, WhatIsDisplayedFromTheHapticVolumeIsComparedByItsFeltSurface) {
   const compare::CaseComparison c = compare::compare_cases(load(seen), load(felt));
   const compare::AnatomyChange& change = c.anatomies[1];
   ASSERT_TRUE(change.deviation) << change.not_measured;
-  EXPECT_FALSE(change.old_is_felt);
+  // Both cases hold the same haptic volume: what is felt is compared with what is felt.
+  EXPECT_TRUE(change.old_is_felt);
   EXPECT_TRUE(change.new_is_felt);
-  EXPECT_LT(change.deviation->both.rms_mm, 0.64);  // a voxel; the surface is a ball of 8 rings
-  EXPECT_GT(change.deviation->both.max_mm, 0);
-  ASSERT_EQ(c.warnings.size(), 1u);
+  EXPECT_LT(change.deviation->both.max_mm, 1e-9);
+  EXPECT_EQ(change.change_ml(), 0.0);
+  // A case that has no haptic volume has its mesh alone, and volumes of two makings do not compare.
+  const MemoryCase mesh_alone = case_of({{"brain", sphere(8, {-9, 0, 270}, 8)}});
+  const compare::CaseComparison apart = compare::compare_cases(load(mesh_alone), load(felt));
+  const compare::AnatomyChange& mixed = apart.anatomies[0];
+  ASSERT_TRUE(mixed.deviation) << mixed.not_measured;
+  EXPECT_FALSE(mixed.old_is_felt);
+  EXPECT_TRUE(mixed.new_is_felt);
+  EXPECT_LT(mixed.deviation->both.rms_mm, 0.64);  // a voxel; the surface is a ball of 8 rings
+  EXPECT_GT(mixed.deviation->both.max_mm, 0);
+  EXPECT_FALSE(mixed.change_ml());
+  EXPECT_FALSE(apart.warnings.empty());
+  EXPECT_TRUE(c.warnings.empty());
   EXPECT_NE(find_change(c.about, "haptic.brain.displayed"), nullptr);
 }
 

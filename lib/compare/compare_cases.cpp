@@ -45,9 +45,9 @@ const cases::CaseShape* felt_shape(const cases::LoadedCase& c, const std::string
   return c.has_haptic() ? find_named(c.manifest.haptic.shapes, name) : nullptr;
 }
 
-Seen seen_of(const cases::LoadedCase& c, const std::string& name, const Progress& progress) {
+Seen seen_of(const cases::LoadedCase& c, const std::string& name, bool as_felt, const Progress& progress) {
   Seen seen;
-  const surface::TriMesh* surface = c.find_surface(name);
+  const surface::TriMesh* surface = as_felt ? nullptr : c.find_surface(name);
   if (surface && !surface->triangles.empty()) {
     seen.surface = surface;
   } else if (const cases::CaseShape* shape = felt_shape(c, name)) {
@@ -93,7 +93,15 @@ AnatomyChange anatomy_change(const cases::LoadedCase& a, const cases::LoadedCase
   }
   change.same_bytes = same_file(a, b, *x, *y);
   if (change.same_bytes) return change;
-  const Seen old_seen = seen_of(a, name, progress.part(0, 0.2)), new_seen = seen_of(b, name, progress.part(0.2, 0.4));
+  // A mesh and a volume of one shape differ by their making: where both are felt, what is felt is compared.
+  const cases::CaseShape *s = felt_shape(a, name), *t = felt_shape(b, name);
+  const bool as_felt = x->file.empty() != y->file.empty() && s && t;
+  if (as_felt) {
+    change.old_ml = s->volume_ml;
+    change.new_ml = t->volume_ml;
+  }
+  const Seen old_seen = seen_of(a, name, as_felt, progress.part(0, 0.2)),
+             new_seen = seen_of(b, name, as_felt, progress.part(0.2, 0.4));
   change.old_is_felt = old_seen.felt;
   change.new_is_felt = new_seen.felt;
   if (!old_seen.surface || !new_seen.surface)
@@ -103,6 +111,15 @@ AnatomyChange anatomy_change(const cases::LoadedCase& a, const cases::LoadedCase
         metrics::measure_deviation(*new_seen.surface, *old_seen.surface, params.deviation, progress.part(0.4, 1));
   return change;
 }
+
+}  // namespace
+
+std::optional<double> AnatomyChange::change_ml() const {
+  if (!old_ml || !new_ml || old_is_felt != new_is_felt) return std::nullopt;
+  return *new_ml - *old_ml;
+}
+
+namespace {
 
 double angle_deg(Vec3 a, Vec3 b) { return std::atan2(norm(cross(a, b)), dot(a, b)) * 180 / pi; }
 
@@ -274,9 +291,13 @@ std::vector<std::string> beyond_limits(const CaseComparison& comparison, const C
     else if (params.max_deviation_mm > 0 && !(a.deviation->both.max_mm <= params.max_deviation_mm))
       say(a.name, "deviates by", a.deviation->both.max_mm, params.max_deviation_mm, " mm");
     if (params.max_volume_ratio <= 0) continue;
-    if (!a.old_ml || !a.new_ml) {
-      if (params.max_deviation_mm <= 0) beyond.push_back(a.name + " " + a.not_measured);
-    } else if (const double ratio = std::abs(*a.new_ml - *a.old_ml) / *a.old_ml; !(ratio <= params.max_volume_ratio)) {
+    if (const std::optional<double> change_ml = a.change_ml(); !change_ml) {
+      if (a.in == InCases::both)
+        beyond.push_back(a.name +
+                         " has a mesh in one case and a haptic volume in the other, so its volumes do not compare");
+      else if (params.max_deviation_mm <= 0)
+        beyond.push_back(a.name + " " + a.not_measured);
+    } else if (const double ratio = std::abs(*change_ml) / *a.old_ml; !(ratio <= params.max_volume_ratio)) {
       say(a.name, "changed its volume by", ratio, params.max_volume_ratio, " of it");
     }
   }

@@ -42,11 +42,14 @@ struct AnatomyChange {
   InCases in = InCases::both;
   bool same_bytes = false;  ///< shown by the same bytes: nothing was measured, for nothing can differ
   /// Of the new surface to the old one, where both have one; bias is positive where the new one lies outside. A shape
-  /// that is displayed from the haptic volume has the surface that is felt.
+  /// that is displayed from the haptic volume in one of the cases has the surface that is felt in both, where both have
+  /// that shape in their haptic volumes.
   std::optional<metrics::Deviation> deviation;
   bool old_is_felt = false, new_is_felt = false;
-  std::string not_measured;  ///< why there is no deviation; empty where there is one, or where same_bytes
-  std::optional<double> old_ml, new_ml;
+  std::string not_measured;              ///< why there is no deviation; empty where there is one, or where same_bytes
+  std::optional<double> old_ml, new_ml;  ///< of what the deviation was measured between
+  /// The new volume less the old one; none where one is a mesh's and the other a haptic volume's.
+  std::optional<double> change_ml() const;
   std::optional<std::uint64_t> old_triangles, new_triangles;
 };
 

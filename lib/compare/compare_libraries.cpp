@@ -75,7 +75,8 @@ std::vector<std::string> row_of(const LibraryCaseChange& c) {
   for (const AnatomyChange& a : c.comparison.anatomies) {
     if (a.same_bytes) deviation.see(a.name, 0), volume.see(a.name, 0);
     if (a.deviation) deviation.see(a.name, a.deviation->both.max_mm);
-    if (a.old_ml && a.new_ml && *a.old_ml > 0) volume.see(a.name, 100 * std::abs(*a.new_ml / *a.old_ml - 1));
+    if (const auto change_ml = a.change_ml(); change_ml && *a.old_ml > 0)
+      volume.see(a.name, 100 * std::abs(*change_ml) / *a.old_ml);
     if (a.in != InCases::both) note += (note.empty() ? "" : "; ") + a.name + " " + a.not_measured;
   }
   for (const PointChange& p : c.comparison.points) {

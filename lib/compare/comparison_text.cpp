@@ -33,8 +33,8 @@ std::string anatomies_text(const CaseComparison& c) {
     }
     row.push_back(volume(a.old_ml));
     row.push_back(volume(a.new_ml));
-    const bool both = a.old_ml && a.new_ml && *a.old_ml > 0;
-    row.push_back(both ? fmt::format("{:+.3f}", 100 * (*a.new_ml / *a.old_ml - 1)) : "-");
+    const std::optional<double> change_ml = a.change_ml();
+    row.push_back(change_ml && *a.old_ml > 0 ? fmt::format("{:+.3f}", 100 * *change_ml / *a.old_ml) : "-");
     std::string note = a.same_bytes ? "same bytes" : a.not_measured;
     if (a.deviation && (a.old_is_felt || a.new_is_felt))
       note = a.old_is_felt == a.new_is_felt ? "of the haptic volumes"
@@ -104,7 +104,7 @@ Json json_of(const AnatomyChange& a) {
     json["of_haptic_volume"] = {{"old", a.old_is_felt}, {"new", a.new_is_felt}};
   }
   if (!a.not_measured.empty()) json["not_measured"] = a.not_measured;
-  json["volume_ml"] = {{"old", json_of(a.old_ml)}, {"new", json_of(a.new_ml)}};
+  json["volume_ml"] = {{"old", json_of(a.old_ml)}, {"new", json_of(a.new_ml)}, {"change", json_of(a.change_ml())}};
   json["triangles_count"] = {{"old", a.old_triangles ? Json(*a.old_triangles) : Json(nullptr)},
                              {"new", a.new_triangles ? Json(*a.new_triangles) : Json(nullptr)}};
   return json;

@@ -109,7 +109,7 @@ function approveControls(page) {
     info.warnings.length && 'c_warnings'
   ]
     .filter(x => x)
-    .map(key => ({ id: key, text: t(key), english: TEXTS.en[key] }))
+    .map(key => ({ id: key, text: t(key) }))
   // What a run found and is sure of is acknowledged one by one.
   built.findings
     .filter(f => f.confidence >= 0.5)
@@ -117,7 +117,6 @@ function approveControls(page) {
       lines.push({
         id: `finding_${n + 1}`,
         text: `${t('c_finding')} ${f.text}`,
-        english: `${TEXTS.en.c_finding} ${f.text}`,
         at: f.kind === 'other_patient' ? null : f.position_mm
       })
     )
@@ -137,7 +136,7 @@ function approveControls(page) {
         case: page.token,
         by: who(),
         difficulty_level: +level.value,
-        checks: lines.map(l => l.english),
+        checks: lines.map(l => l.text),
         accepted: Object.fromEntries(notServed(page).map(l => [l.name, approval.why.trim()]))
       })
       await again()
@@ -186,7 +185,7 @@ function approveControls(page) {
     heading('checklist'),
     list,
     lost.length ? make('p', { class: 'warn', id: 'lost', text: `${t('lost_landmarks')} ${lost.map(label).join(', ')}` }) : null,
-    info.now && info.now.cuts_holes && !built.holes.length ? para('warn', t('no_hole_built')) : null,
+    info.now && info.now.cuts_holes && !built.holes.length && !saidHoles(page).length ? para('warn', t('no_hole_built')) : null,
     inRow(
       field('difficulty', level),
       approve,

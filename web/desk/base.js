@@ -1,4 +1,4 @@
-// Elements, requests, and what every page has: who works, the language, the size of letters.
+// Elements, requests, and what every page has: who works, the texts, the size of letters.
 const $ = id => document.getElementById(id)
 
 // make('button', { class: 'main', text: 'Save', click: f, disabled: true }, child, ...)
@@ -17,11 +17,11 @@ const make = (tag, given = {}, ...children) => {
   return e
 }
 
-const desk = { language: 'en', cases: [], plan: new Map(), page: null, stats: {} }
-const t = key => TEXTS[desk.language][key] || '?' + key
+const desk = { cases: [], plan: new Map(), page: null, stats: {} }
+const t = key => TEXTS[key] || '?' + key
 const digits = (v, n) =>
   typeof v === 'number' && isFinite(v)
-    ? v.toLocaleString(desk.language, { minimumFractionDigits: n, maximumFractionDigits: n })
+    ? v.toLocaleString('en', { minimumFractionDigits: n, maximumFractionDigits: n })
     : ''
 // Whole numbers stay whole.
 const figure = v => (typeof v !== 'number' ? String(v) : digits(v, Number.isInteger(v) ? 0 : 2))
@@ -159,9 +159,7 @@ const kept = key => {
 }
 
 const words = () => {
-  document.documentElement.lang = desk.language
   for (const e of document.querySelectorAll('[data-text]')) e.textContent = t(e.dataset.text)
-  $('language').textContent = desk.language === 'en' ? 'DE' : 'EN'
   $('theme').textContent = t(document.documentElement.classList.contains('light') ? 'dark' : 'light')
 }
 

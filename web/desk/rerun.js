@@ -103,7 +103,7 @@ function changeRows(page) {
               .concat(
                 make('td', {
                   class: 'number',
-                  text: a.volume_ml.old === null || a.volume_ml.new === null ? '' : signed(a.volume_ml.new - a.volume_ml.old)
+                  text: a.volume_ml.change === null ? '' : signed(a.volume_ml.change)
                 })
               )
           : [make('td', { class: 'faint', colSpan: 3, text: a.not_measured || a.in })])

@@ -1,7 +1,6 @@
 // Which page is shown follows the address, so that a reload and a link lead to the same place.
 addEventListener('DOMContentLoaded', () => {
   const root = document.documentElement
-  desk.language = kept('language') === 'de' || (!kept('language') && navigator.language.startsWith('de')) ? 'de' : 'en'
   root.classList.toggle('light', kept('theme') ? kept('theme') === 'light' : matchMedia('(prefers-color-scheme: light)').matches)
   root.classList.toggle('large', kept('letters') === 'large')
   $('who').value = isToken(kept('who')) ? kept('who') : ''
@@ -24,11 +23,6 @@ addEventListener('DOMContentLoaded', () => {
     location.hash = 'library'
   })
   $('problem-close').addEventListener('click', () => problem(''))
-  $('language').addEventListener('click', () => {
-    desk.language = desk.language === 'en' ? 'de' : 'en'
-    keep('language', desk.language)
-    show()
-  })
   $('letters').addEventListener('click', () => keep('letters', root.classList.toggle('large') ? 'large' : 'small'))
   $('theme').addEventListener('click', () => {
     keep('theme', root.classList.toggle('light') ? 'light' : 'dark')
