@@ -7,6 +7,23 @@
 #include "voxel/raw_voxel.h"
 
 namespace trephine::contact {
+namespace {
+
+// What several corners of a cell have in common: the shape of the first in the lowest byte, and what is so of any.
+enum CornerBits : std::uint32_t { other_shape_too = 256, not_half = 512, filled = 1024, of_a_shape = 2048 };
+
+std::uint32_t corner_of(std::uint32_t entry) {
+  const std::uint32_t shape = std::uint32_t(entry_shape(entry));
+  const bool half = (entry & contact_pure) || 2 * entry_share(entry) > voxel::haptic_full;
+  return shape | (half ? 0 : not_half) | (2 * entry_filled(entry) > voxel::haptic_full ? filled : 0) |
+         (shape != 0 ? of_a_shape : 0);
+}
+
+std::uint32_t both(std::uint32_t a, std::uint32_t b) {
+  return a | (b & ~std::uint32_t{255}) | (((a ^ b) & 255) != 0 ? other_shape_too : 0);
+}
+
+}  // namespace
 
 KnownBlocks::KnownBlocks(voxel::HapticVolume& volume, const VoxelTable& table, bool cells)
     : volume_(volume), table_(table) {
@@ -101,33 +118,33 @@ void KnownBlocks::end_note(std::size_t block, std::uint32_t state, int shape) {
 // Which cells of a block are of one shape or none, as ContactCell says.
 void KnownBlocks::note_cells(std::size_t block, int bi, int bj, int bk) {
   constexpr int side = 1 << block_bits, corners = side + 1;
-  std::uint32_t e[corners * corners * corners];
+  // A corner's two neighbours along x, four in the plane and all eight, each found from those before.
+  std::uint32_t line[corners][corners][side], plane[corners][side][side];
   const grid::Grid<std::int16_t>& v = volume_.voxels;
-  std::uint32_t* to = e;
   for (int z = 0; z < corners; ++z)
     for (int y = 0; y < corners; ++y) {
       const std::int16_t* row = v.voxels.data() + v.index(bi * side, bj * side + y, bk * side + z);
-      for (int x = 0; x < corners; ++x) *to++ = table_.of(voxel::detail::load_voxel(row[x]));
+      std::uint32_t before = corner_of(table_.of(voxel::detail::load_voxel(row[0])));
+      for (int x = 0; x < side; ++x) {
+        const std::uint32_t next = corner_of(table_.of(voxel::detail::load_voxel(row[x + 1])));
+        line[z][y][x] = both(before, next);
+        before = next;
+      }
     }
+  for (int z = 0; z < corners; ++z)
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x) plane[z][y][x] = both(line[z][y][x], line[z][y + 1][x]);
   std::uint16_t names = __atomic_load_n(&block_names_[block], __ATOMIC_RELAXED);
   const bool named = names != 0;
   std::uint64_t cells[2] = {0, 0};
   for (int z = 0; z < side; ++z)
     for (int y = 0; y < side; ++y)
       for (int x = 0; x < side; ++x) {
-        const std::uint32_t* first = e + (z * corners + y) * corners + x;
+        const std::uint32_t eight = both(plane[z][y][x], plane[z + 1][y][x]);
+        std::uint64_t kind = (eight & filled) && (eight & of_a_shape) ? 3 : 0;
         // A cell is also of one shape where more than half of every corner belongs to it.
-        bool all = true, solid = false, some = false;
-        for (int c = 0; c < 8; ++c) {
-          const std::uint32_t entry = first[((c >> 2) * corners + (c >> 1 & 1)) * corners + (c & 1)];
-          all = all && entry_shape(entry) == entry_shape(*first) &&
-                ((entry & contact_pure) || 2 * entry_share(entry) > voxel::haptic_full);
-          solid = solid || 2 * entry_filled(entry) > voxel::haptic_full;
-          some = some || entry_shape(entry) != 0;
-        }
-        std::uint64_t kind = solid && some ? 3 : 0;
-        if (kind == 3 && all) {
-          const int shape = entry_shape(*first);
+        if (kind == 3 && !(eight & (other_shape_too | not_half))) {
+          const int shape = int(eight & 255);
           if (!named && (names & 255) == 0) names = std::uint16_t(shape);
           if (!named && (names & 255) != shape && names >> 8 == 0) names = std::uint16_t(names | shape << 8);
           kind = (names & 255) == shape ? 1 : names >> 8 == shape ? 2 : 3;
@@ -152,12 +169,16 @@ void KnownBlocks::note_blocks(const grid::Box& box) {
           const std::size_t at = block_at(i, j, k);
           std::uint32_t state;
           if (!begin_note(at, state)) continue;
-          const std::uint32_t first = table_.of(voxel::detail::load_voxel(v.at(i * side, j * side, k * side)));
+          const std::int16_t first_raw = voxel::detail::load_voxel(v.at(i * side, j * side, k * side));
+          const std::uint32_t first = table_.of(first_raw);
           bool same = entry_shape(first) == 0 ? first == 0 : (first & contact_pure) != 0;
           for (int z = k * side; z <= (k + 1) * side && same; ++z)
             for (int y = j * side; y <= (j + 1) * side && same; ++y) {
               const std::int16_t* row = v.voxels.data() + v.index(i * side, y, z);
-              for (int x = 0; x <= side; ++x) same = same && table_.of(voxel::detail::load_voxel(row[x])) == first;
+              for (int x = 0; x <= side && same; ++x) {
+                const std::int16_t raw = voxel::detail::load_voxel(row[x]);
+                same = raw == first_raw || table_.of(raw) == first;
+              }
             }
           if (same) {
             __atomic_store_n(&block_near_[at], all_shapes, __ATOMIC_RELAXED);
