@@ -57,6 +57,22 @@ TEST(LessonsGuide, EveryLessonHasATitleInBothLanguages) {
   }
 }
 
+// The first view of a lesson is from where its surgeon stands: on the side that is asked for.
+TEST(LessonsGuide, TheSurgeonStandsOnTheSideThatIsAskedFor) {
+  Head head(Kind::whole);
+  const cases::LoadedCase& loaded = head.felt().loaded;
+  const lessons::LessonType& type = lessons::lesson_type("ventriculostomy");
+  EXPECT_TRUE(type.of_head);
+  for (const std::string side : {"right", "left"}) {
+    Head asked(Kind::whole);
+    const Head::Done d = asked.run(R"({"take": {"tool": "marker"}})", 500, 1, 0, side);
+    const Vec3 from = type.field(d.facts, loaded.manifest).from;
+    EXPECT_NEAR(norm(from), 1, 1e-9);
+    EXPECT_LT((side == "left" ? -1 : 1) * from.x, -0.3) << side;
+    EXPECT_GT(from.z, 0.5) << "behind the head";
+  }
+}
+
 TEST(LessonsGuide, EveryStepSaysWhyAndHowOneSeesThatItIsRight) {
   each_briefing([](const lessons::LessonType& type, const lessons::LessonBriefing& b) {
     EXPECT_NE(lessons::aim_of(b.task, Language::german), b.task.aim);

@@ -62,6 +62,8 @@ struct LessonField {
   Vec3 centre_mm;
   double open_mm = 0, lamp_mm = 130;
   Vec3 down{0, 1, 0};  ///< where drops fall: by default a patient on the back
+  /// From where its surgeon first sees the patient (unit, from the patient to the eye); 0: upright over the field.
+  Vec3 from;
 };
 /// What comes out of the tool in hand, where a surgeon sees it.
 enum class LessonFluid { none, csf, blood };
@@ -100,7 +102,7 @@ struct LessonType {
   std::vector<LessonColumn> columns;  ///< of the log, after the rows
   std::vector<StepChoice> steps;      ///< what its scripts may say
   bool needs_pictures = false;        ///< fluoroscopy shows where the tool is: a window needs the case's CT
-  std::string view;  ///< how a window shows the patient at first (a choice of --view); empty: as its surgeon stands
+  bool of_head = false;  ///< a window shows a head that is held, and the body beyond it; else a part of the trunk
   /// The patients' classes that are exercised in turn. None: a case needs no class, and --classes is ignored.
   std::vector<std::string> classes;
 

@@ -319,6 +319,7 @@ void Renderer::Impl::draw(const scene::EyeView& eye, const scene::SceneState& st
   draw_opaque(eye, state);
   sight.coarse = false;
   draw_walls(state);
+  draw_room(state);
   if (state.cut) draw_caps(eye, state);
   glDisable(GL_CLIP_DISTANCE0);
   draw_ct_planes(eye, state);

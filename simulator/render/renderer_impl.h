@@ -27,6 +27,7 @@ struct Renderer::Impl {
   void set_theatre(const GlProgram& program) const;         ///< what is the same for all that it draws
   /// Of what is drawn next: only skin is draped; what lies beneath it, and drops, are wet.
   void set_tissue(bool skin, double wet) const;
+  void draw_room(const scene::SceneState& state);
 
   // renderer_draw.cpp
   void draw(const scene::EyeView& eye, const scene::SceneState& state, int width, int height);
@@ -66,7 +67,8 @@ struct Renderer::Impl {
   double radius_mm;  // of a ball about the scene's centre that holds all of it
   RenderQuality quality;
   std::vector<Item> items;
-  SolidBuffer tool, ball, dot_solid;
+  SolidBuffer tool, room, ball, dot_solid;
+  std::shared_ptr<const scene::Room> shown_room;    ///< of which `room` was made
   GlProgram surfaces[shaders::all_parts + 1];       ///< made where they are first needed
   std::bitset<shaders::all_parts + 1> made, begun;  ///< of surfaces
   const GlProgram* surface = nullptr;               ///< in use

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The looks of an operating theatre: lamp, drapes, the skin's texture, and what is wet or bleeds.
 #include "render/renderer_impl.h"
+#include "scene/room.h"
 
 namespace trephine::render {
 namespace {
@@ -26,6 +27,21 @@ void Renderer::Impl::set_theatre(const GlProgram& p) const {
 void Renderer::Impl::set_tissue(bool skin, double wet) const {
   surface->set("open_mm", skin ? float(surface_state->theatre->open_mm) : 0.f);
   surface->set("wet", float(wet));
+}
+
+void Renderer::Impl::draw_room(const scene::SceneState& state) {
+  if (!state.theatre || !state.room || state.cut || labelling) return;
+  if (shown_room != state.room) {
+    shown_room = state.room;
+    room = SolidBuffer(shown_room->solid, true);
+  }
+  glEnable(GL_CULL_FACE);
+  surface_with(shaders::theatre_part);  // without a texture, which costs most of a pixel
+  set_tissue(false, 0);
+  surface->set("model", scene::Mat4());
+  surface->set("opacity", 1.f);
+  room.draw();
+  glDisable(GL_CULL_FACE);
 }
 
 }  // namespace trephine::render

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "scene/room.h"
 #include "voxel/decode.h"
 
 namespace trephine::render {
@@ -162,8 +163,9 @@ scene::EyeView Stage::beside(scene::EyeView e, double screen_mm, Vec3 by_mm) {
 void Stage::draw(const scene::OrbitCamera& camera, int width, int height, const std::function<void(Eye)>& bind,
                  Vec3 head_mm) {
   const double screen_mm = params_.convergence_mm > 0 ? params_.convergence_mm : camera.distance_mm;
+  const surface::Bounds& drawn_mm = state.room && !state.cut ? state.room->bounds_mm : scene_.bounds;
   const auto one = [&](int x, int y, int w, int h, double offset_mm, int mask, Eye which = Eye::both) {
-    const scene::EyeView eye = beside(camera.eye(w, h, scene_.bounds), screen_mm, head_mm + Vec3{offset_mm, 0, 0});
+    const scene::EyeView eye = beside(camera.eye(w, h, drawn_mm), screen_mm, head_mm + Vec3{offset_mm, 0, 0});
     const double scale = picture_scale(w, h);
     renderer_->draw(eye, state, std::max(1, int(w * scale)), std::max(1, int(h * scale)));
     bind(which);

@@ -92,14 +92,17 @@ void OrbitCamera::look(ViewPreset preset, const surface::Bounds& b, const std::o
       toward = normalized(patient_left * 0.68 + anterior * 0.82 + superior * 0.36);
       break;
   }
+  look_from(toward, b);
+  if (preset != ViewPreset::surgeon) return;
+  target_mm = *site_mm;
+  distance_mm = 0.5 * surgeon_field_mm / std::tan(0.5 * field_of_view_deg * radians);
+}
+
+void OrbitCamera::look_from(Vec3 from, const surface::Bounds& b) {
+  toward = from;
   // From above, and from below, the face is up; the surgeon stands behind a patient who lies on the back.
   up = upright(toward, std::abs(toward.z) > 0.6 ? anterior : superior);
   const double half = std::tan(0.5 * field_of_view_deg * radians);
-  if (preset == ViewPreset::surgeon) {
-    target_mm = *site_mm;
-    distance_mm = 0.5 * surgeon_field_mm / half;
-    return;
-  }
   target_mm = (b.min_mm + b.max_mm) / 2;
   // Each corner shall lie within the frustum's height and width (of a square picture).
   distance_mm = 1;

@@ -43,6 +43,8 @@ class OrbitCamera {
   /// so that a tool hides less of what it does.
   void look(ViewPreset preset, const surface::Bounds& bounds, const std::optional<Vec3>& site_mm, Vec3 approach,
             double beside = 0.5);
+  /// Shows the whole box from that direction (unit, from the patient to the eye).
+  void look_from(Vec3 from, const surface::Bounds& bounds);
   /// Shows a ball of that radius from where it is.
   void show(Vec3 middle_mm, double radius_mm);
   /// Turns by angles to the right and upwards; the superior direction stays upright, except next to it.

@@ -78,6 +78,7 @@ struct TheatreField {
 };
 
 class BoneDust;
+struct Room;
 
 /// What changes from picture to picture.
 struct SceneState {
@@ -96,6 +97,7 @@ struct SceneState {
   std::vector<Vec3> trace_mm;      ///< a line
   std::vector<Vec3> ink_mm;        ///< what a marker drew, as dots that touch
   std::optional<TheatreField> theatre;
+  std::shared_ptr<const Room> room;      ///< stands about the patient in a theatre, but for where it is cut; null: none
   std::vector<Marker> drops;             ///< of a fluid that comes out of the tool
   std::shared_ptr<const BoneDust> dust;  ///< null: none is shown
   std::vector<CtPlane> ct_planes;

@@ -29,8 +29,14 @@ CaseView::CaseView(std::shared_ptr<session::Patient> patient, const scene::ViewP
   shapes_ = patient_->felt.shapes;
 }
 
-texts::Answer CaseView::set_view(const std::string& asked) {
-  const std::string& preset = asked == "surgeon" && !stands_at.empty() ? stands_at : asked;
+texts::Answer CaseView::set_view(const std::string& preset) {
+  if (preset == "surgeon" && stands_from) {
+    camera.look_from(*stands_from, stage_.scene().bounds);
+    const std::optional<scene::TheatreField>& field = stage_.state.theatre;
+    if (field && field->open_mm > 0) camera.show(field->centre_mm, about_field * field->open_mm);
+    camera.zoom(fit_);
+    return {};
+  }
   if (preset == "surgeon" && open_field_mm && norm(middle_mm() - *open_field_mm) > 1) {
     const surface::Bounds& b = stage_.scene().bounds;
     camera.look(scene::ViewPreset::surgeon, b, open_field_mm, normalized(middle_mm() - *open_field_mm), 0);
@@ -43,8 +49,6 @@ texts::Answer CaseView::set_view(const std::string& asked) {
       v.view = value;
       const double aside = camera.aside_ratio;
       camera = scene::camera_of(v, manifest(), stage_.scene());
-      const std::optional<scene::TheatreField>& field = stage_.state.theatre;
-      if (preset != asked && field && field->open_mm > 0) camera.show(field->centre_mm, about_field * field->open_mm);
       camera.aside_ratio = aside;
       camera.zoom(fit_);
       return {};
@@ -53,7 +57,7 @@ texts::Answer CaseView::set_view(const std::string& asked) {
 }
 
 void CaseView::set_room(double from_px, double to_px, int width, int height) {
-  if (stands_at.empty() || width <= 0 || height <= 0) return;
+  if (!stands_from || width <= 0 || height <= 0) return;
   // With letters so large that hardly any room is left, the panels are moved or hidden to see the patient.
   if (!(to_px - from_px >= least_room * width)) from_px = 0, to_px = width;
   const double room = to_px - from_px;

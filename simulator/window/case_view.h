@@ -51,7 +51,7 @@ class CaseView {
 
   scene::OrbitCamera camera;
   std::optional<Vec3> open_field_mm;  ///< the middle of a lesson's field that is open: there its surgeon stands
-  std::string stands_at;              ///< the view of a lesson's surgeon; empty: as the case or the field says
+  std::optional<Vec3> stands_from;    ///< from where a lesson's surgeon sees the patient; none: as case or field say
   Vec3 middle_mm() const { return (stage_.scene().bounds.min_mm + stage_.scene().bounds.max_mm) / 2; }
   render::Stage& stage() { return stage_; }
   const render::Stage& stage() const { return stage_; }

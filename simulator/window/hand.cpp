@@ -26,14 +26,13 @@ Hand::Hand(CaseView& view, const std::string& site, bool behind) : view_(view) {
     goal_.axis = {0, 1, 0};
     goal_.tip_mm = {(b.min_mm.x + b.max_mm.x) / 2, b.max_mm.y + begin_mm, (b.min_mm.z + b.max_mm.z) / 2};
   }
-  if (view.open_field_mm &&
-      !view.stands_at.empty()) {  // a surgeon's view without a C-arm, as of a chest: held from below, outside of all
+  if (view.stands_from && !behind) {  // a surgeon's view without a C-arm: held from below, outside of all
+    const Vec3 at = view.open_field_mm ? *view.open_field_mm : view.middle_mm();
     const Vec3 toward = view.camera.toward, up = view.camera.up;
     double out_mm = 0;
-    for (const Vec3 corner : surface::corners_of(b))
-      out_mm = std::max(out_mm, dot(corner - *view.open_field_mm, toward));
+    for (const Vec3 corner : surface::corners_of(b)) out_mm = std::max(out_mm, dot(corner - at, toward));
     goal_.axis = normalized(toward - up);
-    goal_.tip_mm = *view.open_field_mm + toward * (out_mm + begin_mm) - up * before_field_mm;
+    goal_.tip_mm = at + toward * (out_mm + begin_mm) - up * before_field_mm;
   } else if (view.open_field_mm) {
     goal_.axis = normalized(*view.open_field_mm - view.middle_mm());
     goal_.tip_mm = *view.open_field_mm + (goal_.axis + view.camera.right()) * before_field_mm;

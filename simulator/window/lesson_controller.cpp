@@ -196,7 +196,8 @@ std::vector<lessons::LessonStatus> LessonController::status() const {
 }
 
 lessons::LessonField LessonController::field(Vec3 middle_mm) const {
-  return module_.field ? module_.field(lesson_->facts(), manifest_) : lessons::LessonField{middle_mm, 0, 220};
+  return module_.field ? module_.field(lesson_->facts(), manifest_)
+                       : lessons::LessonField{middle_mm, 0, 220, {0, 1, 0}, {}};
 }
 
 lessons::LessonFluid LessonController::fluid() const {

@@ -81,7 +81,7 @@ class LessonController {
   /// As lamp, drapes and what comes out of the tool show it; `middle_mm`: of what is shown.
   lessons::LessonField field(Vec3 middle_mm) const;
   lessons::LessonFluid fluid() const;
-  const std::string& view() const { return module_.view; }
+  bool of_head() const { return module_.of_head; }
   bool has_arm() const { return bool(module_.xray); }
   lessons::LessonXray xray() const { return module_.xray(*lesson_, manifest_); }  ///< where it has one
   /// The X-rays of the lesson that was judged, for its review.

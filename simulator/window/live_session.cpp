@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "scene/fluid.h"
+#include "scene/room.h"
 #include "scene/tool_solid.h"
 
 namespace trephine::window {
@@ -339,12 +340,26 @@ void show_tool_of(const LessonController& lesson, CaseView& view) {
   std::optional<std::array<float, 3>> colour;
   if (const int verdict = lesson.verdict(); verdict != 0) colour = verdict > 0 ? green : red;
   view.stage().set_tool(haptics::own_tool(lesson.tool()), colour, lesson.fluid() == lessons::LessonFluid::blood);
+  show_room_of(lesson, view);
+}
+
+void show_room_of(const LessonController& lesson, CaseView& view) {
+  // What is not in the hand lies on the tray, on the right of who looks.
+  const lessons::LessonField field = lesson.field(view.middle_mm());
+  scene::RoomParams room;
+  room.down = field.down;
+  room.head = lesson.of_head();
+  room.tray_side = field.down.y > 0 && !room.head ? 1 : -1;
+  for (const haptics::BeltToolParams& t : lesson.tools())
+    if (t.name != lesson.tool().name) room.tools.push_back(haptics::own_tool(t));
+  room.patient_mm = view.stage().scene().bounds;
+  view.stage().state.room = std::make_shared<scene::Room>(scene::make_room(room, view.stage().scene().centre_mm));
 }
 
 void show_field_of(const LessonController& lesson, CaseView& view) {
   const lessons::LessonField field = lesson.field(view.middle_mm());
   if (field.open_mm > 0 && !lesson.has_arm()) view.open_field_mm = field.centre_mm;
-  view.stands_at = lesson.view();
+  view.stands_from = norm(field.from) > 0 ? std::optional<Vec3>(field.from) : std::nullopt;
   scene::SceneState& state = view.stage().state;
   state.theatre = scene::TheatreField{field.centre_mm, field.open_mm, field.lamp_mm};
   state.drops.clear();

@@ -96,6 +96,8 @@ class LiveSession {
 
 /// The tool in the lesson's hand as a view shows it: in green where it succeeded, in red where it failed.
 void show_tool_of(const LessonController& lesson, CaseView& view);
+/// Table, drapes, and the tools that are not in the hand.
+void show_room_of(const LessonController& lesson, CaseView& view);
 /// The lesson's field in the light of a theatre, with what comes out of the tool.
 void show_field_of(const LessonController& lesson, CaseView& view);
 

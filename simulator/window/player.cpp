@@ -57,6 +57,7 @@ void Player::set_stage() {
   if (lesson_) {
     for (double& opacity : view_->stage().state.opacity) opacity = 1;
     show_field_of(*lesson_, *view_);
+    show_room_of(*lesson_, *view_);
     if (params.view == scene::ViewPreset::surgeon) view_->set_view("surgeon");  // where the lesson's surgeon stands
   } else
     view_->stage().state.ghost_mm = ghost_mm_;

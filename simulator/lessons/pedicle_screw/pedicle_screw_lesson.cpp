@@ -41,7 +41,6 @@ LessonType pedicle_screw_lesson() {
   LessonType m;
   m.name = "pedicle_screw";
   m.german_title = "Pedikelschraube";
-  m.view = "back";
   m.summary = "a pedicle finder and a screw, judged by five errors";
   m.rows = {"entry", "axial", "sagittal", "length", "breach", "acceptable", "size", "exposure", "passes", "time"};
   const auto measured = [&](const char* row, const char* name) {

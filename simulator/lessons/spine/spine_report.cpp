@@ -113,13 +113,13 @@ std::vector<LessonStatus> spine_status(const LessonFacts& lesson) {
 LessonField spine_field(const LessonFacts&, const cases::CaseManifest& manifest) {
   constexpr double beside_mm = 60;
   const std::vector<CasePedicle> all = pedicles_of(manifest);
-  LessonField field{manifest.center_mm, 0, 150, {0, -1, 0}};
+  LessonField field{manifest.center_mm, 0, 150, {0, -1, 0}, {0, 1, 0}};
   if (all.empty()) return field;
   Vec3 middle;
   for (const CasePedicle& p : all) middle += p.entry_mm * (1.0 / double(all.size()));
   double away = 0;
   for (const CasePedicle& p : all) away = std::max(away, norm(p.entry_mm - middle));
-  return {middle, away + beside_mm, away + 2 * beside_mm, field.down};
+  return {middle, away + beside_mm, away + 2 * beside_mm, field.down, field.from};
 }
 
 static LessonXray::Pose pose_of(const cases::CaseManifest& manifest, const ArmPose& p) {

@@ -35,7 +35,6 @@ LessonType spine_needle_lesson() {
   LessonType m;
   m.name = "spine_needle";
   m.german_title = "Nadel durch den Pedikel";
-  m.view = "back";
   m.summary = "a Jamshidi needle through a pedicle, under fluoroscopy";
   m.rows = {"entry", "target", "breach", "depth", "exposure", "passes", "time"};
   const auto measured = [&](const char* row, const char* name) {

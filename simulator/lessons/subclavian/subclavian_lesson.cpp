@@ -88,7 +88,7 @@ LessonField field_of(const SubclavianFacts& f) {
   constexpr double beyond_mm = 25;
   const Vec3 middle = f.clavicle_mm[f.task == "left" ? 1 : 0];
   const double open = norm(f.notch_mm - middle) + beyond_mm;
-  return {middle, open, open + 2 * beyond_mm};
+  return {middle, open, open + 2 * beyond_mm, {0, 1, 0}, {0, -1, 0}};
 }
 
 std::vector<LessonStatus> status_of(const SubclavianFacts& f) {
@@ -106,7 +106,6 @@ LessonType subclavian_lesson() {
   LessonType m;
   m.name = "subclavian";
   m.german_title = "Zugang zur Vena subclavia";
-  m.view = "front";
   m.summary = "a needle under the clavicle into the subclavian vein";
   m.rows = {"puncture", "direction", "vein", "artery", "lung", "passes", "time"};
   for (const auto& [row, name] : {std::pair<const char*, const char*>{"puncture", "below_border_mm"},

@@ -194,13 +194,15 @@ std::vector<Vec3> ink_of(const VentriculostomyFacts& f) {
   return dots;
 }
 
-// Marks are made on the bare head, in a light that tells nothing of where they belong; then it is draped about the cut.
+// Marks are made on the bare head, in a light that tells nothing of where they belong, by a surgeon who stands behind
+// the head on the side that was asked for; then it is draped about the cut.
 LessonField field_of(const VentriculostomyFacts& f, const cases::CaseManifest& manifest) {
   constexpr double open_mm = 48, lamp_mm = 110;
-  if (f.drilled_beforehand && f.hole) return {f.hole->outer_mm, open_mm, lamp_mm};
-  if (!f.incisions.empty()) return {f.incisions.back().at_mm, open_mm, lamp_mm};
+  if (f.drilled_beforehand && f.hole) return {f.hole->outer_mm, open_mm, lamp_mm, {0, 1, 0}, {}};
+  if (!f.incisions.empty()) return {f.incisions.back().at_mm, open_mm, lamp_mm, {0, 1, 0}, {}};
   const HeadFrame frame = head_frame_of(manifest);
-  return {frame.bregma_mm ? *frame.bregma_mm : frame.nasion_mm, 0, 150};
+  const Vec3 from = normalized(Vec3{f.task == "left" ? 0.42 : -0.42, -0.55, 0.75});
+  return {frame.bregma_mm ? *frame.bregma_mm : frame.nasion_mm, 0, 150, {0, 1, 0}, from};
 }
 
 // A catheter drains as long as its tip is in the ventricles.
@@ -318,6 +320,7 @@ LessonType ventriculostomy_lesson() {
   append(m.texts, ventriculostomy_words());
   m.guide = [](const LessonFacts& facts) { return guide_of(own(facts)); };
   m.status = [](const LessonFacts& facts) { return status_of(own(facts)); };
+  m.of_head = true;
   m.field = [](const LessonFacts& facts, const cases::CaseManifest& manifest) {
     return field_of(own(facts), manifest);
   };
