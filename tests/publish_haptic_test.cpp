@@ -132,6 +132,60 @@ TEST(HapticScene, WindowsOfRawHu) {
   EXPECT_EQ(g.nodes[g.result(stages::DataKind::haptic)].sources, (std::map<std::string, int>{{"volume", 0}}));
 }
 
+// As the editor of the window writes it, and as a person does.
+TEST(HapticScene, AFunctionMayBeInAFileOfItsOwn) {
+  const std::string hu =
+      with(with(live, "  region_of: brain\n", "  encoding: hu\n"),
+           "skin: {material: skin, clear_of: brain, clear_mm: 5}", "tooth: {material: bone, window_hu: [1500, 3000]}");
+  const std::string scene = with(hu, "cuttable: true", "cuttable: true, transfer_file: bone.yaml");
+  const char* const written = R"({
+  "points": [
+    {"hu":100.0,"opacity":0.0,"colour_rgb":[1.0,1.0,1.0]},
+    {"hu":300.0,"opacity":1.0,"colour_rgb":[1.0,0.25,1.0]},
+    {"hu":1400.0,"opacity":1.0,"colour_rgb":[1.0,1.0,1.0]},
+    {"hu":1500.0,"opacity":0.0,"colour_rgb":[1.0,1.0,1.0]}
+  ],
+  "touched_from_opacity": 0.75
+}
+)";
+  const char* const by_hand = R"(touched_from_opacity: 0.75
+points:
+  - {hu: 100, opacity: 0, colour_rgb: [1, 1, 1]}
+  - {hu: 300, opacity: 1, colour_rgb: [1, 0.25, 1]}
+  - {hu: 1400, opacity: 1, colour_rgb: [1, 1, 1]}
+  - {hu: 1500, opacity: 0, colour_rgb: [1, 1, 1]}
+)";
+  for (const char* text : {written, by_hand}) {
+    const Files files(beginning, scene);
+    files.folder.write("bone.yaml", text);
+    const config::CaseConfig c = config::read_case_config(files.config, {});
+    EXPECT_EQ(stage_of(c).shapes[0].second.window_hu, (std::array<double, 2>{250, 1425}));
+    ASSERT_TRUE(c.haptic.shapes[0].transfer);
+    EXPECT_EQ(c.haptic.shapes[0].transfer->points[1].colour_rgb[1], 0.25);
+  }
+  const auto fault_with = [&](const std::string& said, const std::string& text) -> std::string {
+    const Files files(beginning, said);
+    if (!text.empty()) files.folder.write("bone.yaml", text);
+    try {
+      config::read_case_config(files.config, {});
+    } catch (const ErrorList& e) {
+      return e.all().front().line("");
+    } catch (const Error& e) {
+      return e.line("");
+    }
+    return "";
+  };
+  EXPECT_TRUE(has(fault_with(scene, ""), "bone.yaml"));
+  EXPECT_TRUE(has(fault_with(scene, "points: []\n"), "bone.yaml"));
+  EXPECT_TRUE(has(fault_with(scene, "preset: bones\n"), "bone.yaml:1:9: preset"));
+  EXPECT_TRUE(has(fault_with(with(scene, "bone.yaml", "../../bone.yaml"), written), "transfer_file"));
+  EXPECT_TRUE(has(fault_with(with(scene, "transfer_file:", "transfer: {preset: bone}, transfer_file:"), written),
+                  "skull.transfer_file: is there beside transfer"));
+  EXPECT_TRUE(has(fault_with(with(scene, "transfer_file:", "window_hu: [300, 400], transfer_file:"), written),
+                  "skull.window_hu: is there beside transfer"));
+  EXPECT_TRUE(has(fault_with(with(live, "cuttable: true", "transfer_file: bone.yaml"), written), "needs encoding: hu"));
+}
+
 TEST(HapticScene, OneFunctionSaysWhatIsSeenAndTouched) {
   const std::string hu =
       with(with(live, "  region_of: brain\n", "  encoding: hu\n"),

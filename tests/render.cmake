@@ -13,6 +13,7 @@ set_tests_properties(program.fences PROPERTIES TIMEOUT 1800 SKIP_RETURN_CODE 77
 endif()
 if(TARGET trephine_window)
 trephine_test(window window)
+target_include_directories(window_test SYSTEM PRIVATE ${TREPHINE_IMGUI_INCLUDE})
 add_library(reset_stub MODULE reset_stub.c)
 set_target_properties(reset_stub PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
 foreach(script render recording_data play play_faults)

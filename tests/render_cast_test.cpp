@@ -5,8 +5,10 @@
 #include <random>
 
 #include "base/srgb.h"
+#include "cast/transfer_edit.h"
 #include "cast_phantoms.h"
 #include "render_scene.h"
+#include "scratch_folder.h"
 
 namespace trephine::drawing {
 namespace {
@@ -331,6 +333,33 @@ TEST_F(RenderCastStage, OnlyNamedAnatomiesAreDrawnBesideIt) {
   EXPECT_EQ(stage.state.opacity[2], 0.5);
   EXPECT_GT(stage.state.opacity[0], 0);
   EXPECT_EQ(stage.renderer().rays().scale(), 0);
+}
+
+// What an editor changes is seen at once, and what it wrote gives the same picture again.
+TEST_F(RenderCastStage, AnEditedFunctionComesBackFromItsFile) {
+  for (std::size_t n = 0; n < loaded_.ct.voxels.size(); ++n)
+    if (loaded_.ct.voxels[n] == 500) loaded_.ct.voxels[n] = std::int16_t(200 + n % 7 * 60);
+  render::Stage stage(loaded_, view_);
+  const scene::OrbitCamera camera = scene::camera_of(view_, loaded_.manifest, stage.scene());
+  const trephine::scene::Picture bone = shot(stage, camera);
+  ASSERT_EQ(stage.cast_source().functions().size(), 1u);
+  ASSERT_EQ(stage.cast_source().voxels()->count(), loaded_.ct.count());
+  voxel::TransferFunction f = stage.cast_source().functions()[0];
+  f = cast::with_colour(cast::with_moved(f, 1, 431, 0.317), 1, {0.9, 0.3, 1.0 / 3});
+  f = cast::with_added(f, 350, 0.2).value().function;
+  stage.cast(f);
+  const trephine::scene::Picture edited = shot(stage, camera);
+  EXPECT_NE(edited.rgb, bone.rgb);
+  ScratchFolder folder;
+  const std::string file =
+      folder.write("f.yaml", cast::transfer_file_text(stage.cast_source().functions()[0])).string();
+  stage.cast(scene::ViewParams::Cast::ct, "bone");
+  EXPECT_EQ(shot(stage, camera).rgb, bone.rgb);
+  stage.cast(scene::ViewParams::Cast::ct, file);
+  EXPECT_EQ(shot(stage, camera).rgb, edited.rgb);
+  view_.transfer = file;
+  render::Stage later(loaded_, view_);
+  EXPECT_EQ(shot(later, camera).rgb, edited.rgb);
 }
 
 TEST_F(RenderCastStage, SaysWhatTheCaseHasNot) {

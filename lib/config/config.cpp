@@ -162,7 +162,11 @@ class Reader {
       if (r_.values.has(path)) r_.values.note(path, origin);
     for (const char* name : {"policy", "believe", "believe_reason"})
       r_.values.fix(std::string("deface.") + name, std::string("follows scene.face.") + name + ", set that");
-    r_.values.fix("scene.materials", "is read with the scene: name it there");
+    const char* const with_scene = "is read with the scene: name it there";
+    r_.values.fix("scene.materials", with_scene);
+    if (const auto& haptic = out.scene_file.as<SceneFileParams>().haptic)
+      for (const auto& shape : haptic->shapes)
+        r_.values.fix("haptic.shapes." + shape.first + ".transfer_file", with_scene);
   }
 
   // Values that were set after the files were read pass the same checks as those in the files.

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "config/reading.h"
 
@@ -36,6 +37,15 @@ std::array<double, 2> window_of(const SceneShapeParams& shape) {
   return touched ? std::array<double, 2>{double((*touched)[0]), double((*touched)[1])} : shape.window_hu;
 }
 
+// The function that the file holds.
+std::optional<voxel::TransferFunction> read_transfer(ConfigReading& r, const fs::path& file) {
+  voxel::TransferFunction f;
+  const std::size_t before = r.faults.count();
+  if (const auto tree = read_yaml_or_fault(file, r.faults))
+    read_declared({file, r.faults, {}, {}}, *tree, parameters_of<voxel::TransferFunction>(), &f);
+  return r.faults.count() == before ? std::optional(f) : std::nullopt;
+}
+
 class SceneReader {
  public:
   SceneReader(ConfigReading& reading, const fs::path& file) : r_(reading), file_(file) {}
@@ -54,6 +64,9 @@ class SceneReader {
                            r_.origin(ValueSource::scene, file_, at));
     };
     at_ = read_declared(reading, *tree, parameters_of<SceneFileParams>(), &said);
+    if (said.haptic)
+      for (auto& [name, shape] : said.haptic->shapes)
+        if (const auto* f = find_item(transfers_, std::exchange(shape.transfer_file, ""))) shape.transfer = *f;
     check(said);
   }
 
@@ -64,6 +77,7 @@ class SceneReader {
     if (kind == "anatomy") return r_.fault_of_anatomy(name);
     if (kind == "landmark") return r_.fault_of_landmark(name);
     if (kind == "materials") return read_materials_of(name);
+    if (kind == "transfer_file") return read_transfer_of(name);
     if (kind == "shape" && !of_hu) return r_.fault_of_anatomy(name);
     if (kind == "shape" && !is_plain_name(name)) return "a name has letters a-z, digits and _ only";
     if (kind == "material") return fault_of_material(r_, name);
@@ -75,6 +89,14 @@ class SceneReader {
     const fs::path path = r_.in_root(file_, name, fault);
     if (fault.empty()) r_.materials = read_materials(r_, path);
     return fault;
+  }
+
+  std::string read_transfer_of(const std::string& name) {
+    std::string fault;
+    const fs::path path = r_.in_root(file_, name, fault);
+    if (!fault.empty() || find_item(transfers_, name)) return fault;
+    if (const auto f = read_transfer(r_, path)) transfers_.emplace_back(name, *f);
+    return "";
   }
 
   // Checks what the declarations cannot express: parts of the scene against each other and against the recipe.
@@ -138,6 +160,7 @@ class SceneReader {
 
   ConfigReading& r_;
   const fs::path& file_;
+  Named<voxel::TransferFunction> transfers_;  // by the names of their files
   Places at_;
 };
 
@@ -160,11 +183,14 @@ std::string SceneHapticParams::fault() const {
     return "hardness_high_hu: must exceed hardness_low_hu";
   for (const auto& [name, shape] : shapes) {
     const bool window = shape.window_hu != stages::HapticShapeParams().window_hu;
-    if (shape.transfer && encoding != voxel::HapticEncoding::hu)
+    if (shape.transfer && !shape.transfer_file.empty())
+      return "shapes." + name + ".transfer_file: is there beside transfer: give one of the two";
+    const bool function = shape.transfer || !shape.transfer_file.empty();
+    if (function && encoding != voxel::HapticEncoding::hu)
       return "shapes." + name + ".transfer: is of HU, and needs encoding: hu";
-    if (shape.transfer && window)
+    if (function && window)
       return "shapes." + name + ".window_hu: is there beside transfer, which says what is touched: give one of the two";
-    if (encoding == voxel::HapticEncoding::hu && !window && !shape.transfer)
+    if (encoding == voxel::HapticEncoding::hu && !window && !function)
       return "shapes." + name + ".window_hu: is missing: give it, or transfer";
   }
   return "";

@@ -59,7 +59,7 @@ struct FacePolicyParams : face::FaceBeliefParams {
 
 /// A shape of the haptic volume: how it is made, what it feels like, and whether a tool may remove it.
 struct SceneShapeParams : stages::HapticShapeParams, cases::ShapeParams {
-  std::string material;
+  std::string material, transfer_file;
   template <class V>
   static void describe(V& v) {
     using P = SceneShapeParams;
@@ -67,6 +67,9 @@ struct SceneShapeParams : stages::HapticShapeParams, cases::ShapeParams {
         .names("material")
         .is_required();
     v.template all_of<cases::ShapeParams>();
+    v.text(&P::transfer_file, "transfer_file",
+           "A file with `transfer`'s keys, in place of it, such as the editor of `trephine-sim play` writes.")
+        .names("transfer_file");
     v.template all_of<stages::HapticShapeParams>();
   }
 };

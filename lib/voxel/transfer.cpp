@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "voxel/transfer_points.h"
 
 namespace trephine::voxel {
 namespace {
@@ -37,6 +38,8 @@ std::string listed_presets() {
   return names;
 }
 
+}  // namespace
+
 std::string fault_of_points(const std::vector<TransferPoint>& points) {
   if (points.size() < 2)
     return "points: " + std::to_string(points.size()) + ", must be 2 or more, or give a preset (" + listed_presets() +
@@ -56,8 +59,6 @@ std::string fault_of_points(const std::vector<TransferPoint>& points) {
     return "points[0].opacity: " + to_text(first.opacity) + ", must be 0: so opaque is what lies below it, air too";
   return "";
 }
-
-}  // namespace
 
 std::vector<std::string> preset_names() {
   std::vector<std::string> names;

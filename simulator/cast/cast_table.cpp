@@ -68,7 +68,13 @@ std::vector<voxel::TransferFunction> functions_of(const cases::CaseHaptic& hapti
 CastBricks::CastBricks(const grid::Grid<std::int16_t>& voxels, const CastTable& table) {
   for (std::size_t a = 0; a < 3; ++a) size[a] = (voxels.size[a] + side - 1) / side;
   clear.assign(std::size_t(size[0]) * std::size_t(size[1]) * std::size_t(size[2]), 1);
+  range_hu.resize(clear.size());
   look(voxels, table, grid::whole_box(voxels));
+  find_distances();
+}
+
+void CastBricks::look(const CastTable& table) {
+  for (std::size_t n = 0; n < clear.size(); ++n) clear[n] = table.sees(range_hu[n][0], range_hu[n][1]) ? 0 : 1;
   find_distances();
 }
 
@@ -94,6 +100,7 @@ void CastBricks::look(const grid::Grid<std::int16_t>& voxels, const CastTable& t
               least = std::min(least, hu);
               most = std::max(most, hu);
             }
+        range_hu[index(x, y, int(z))] = {std::int16_t(least), std::int16_t(most)};
         std::uint8_t& is = clear[index(x, y, int(z))];
         const bool shows = table.sees(least, most);
         if (shows && is != 0) comes = true;

@@ -44,12 +44,16 @@ struct CastBricks {
   std::array<int, 3> size{0, 0, 0};
   /// 0: the brick shows something; n: it does not, nor do those less than n bricks away along each axis.
   std::vector<std::uint8_t> clear;
+  /// The lowest and the highest HU of the voxels that a brick's cells read.
+  std::vector<std::array<std::int16_t, 2>> range_hu;
 
   CastBricks() = default;
   CastBricks(const grid::Grid<std::int16_t>& voxels, const CastTable& table);
   /// Looks again at those that read the voxels of the box. What a cut makes clear costs only that; where something is
   /// shown that was clear, all the distances are made again.
   void look(const grid::Grid<std::int16_t>& voxels, const CastTable& table, const grid::Box& box);
+  /// By another table, of the same voxels: none of them is read.
+  void look(const CastTable& table);
   std::size_t index(int i, int j, int k) const {
     return (std::size_t(k) * std::size_t(size[1]) + std::size_t(j)) * std::size_t(size[0]) + std::size_t(i);
   }

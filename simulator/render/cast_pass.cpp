@@ -76,7 +76,10 @@ void CastPass::set_table(cast::CastTable table) {
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, table_row, cast::CastTable::count / table_row, 0, GL_RGBA, GL_FLOAT,
                table_.entries().data());
   set_filter(GL_TEXTURE_2D, GL_NEAREST, GL_CLAMP_TO_EDGE);
-  bricks_ = cast::CastBricks(voxels_, table_);
+  if (bricks_.clear.empty())
+    bricks_ = cast::CastBricks(voxels_, table_);
+  else
+    bricks_.look(table_);
   upload_bricks();
   changed_ = true;
 }

@@ -15,6 +15,7 @@ class CastPass {
   /// `voxels` must outlive it. Throws Error 74 where the graphics memory does not suffice or a side is too long.
   CastPass(const grid::Grid<std::int16_t>& voxels, cast::CastTable table);
   void set_table(cast::CastTable table);
+  const grid::Grid<std::int16_t>& voxels() const { return voxels_; }
   /// Voxels of the box have changed; what of it lies beyond the volume is left out.
   void follow(const grid::Box& changed);
   /// Over what the targets' frame shows. `ms` above 0: while anything moves, a cast has so many pixels that it takes

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "cast/transfer_edit.h"
 #include "surface/bounds.h"
 
 namespace trephine::render {
@@ -36,15 +37,17 @@ bool holds_nothing(const voxel::HapticVolume& volume, std::int16_t value) {
 
 void CastSource::show(Renderer& renderer, Cast what, const std::string& transfer) {
   std::vector<voxel::TransferFunction> functions;
-  if (!transfer.empty()) functions = {voxel::transfer_from_text(transfer, "--transfer")};
+  if (!transfer.empty()) functions = {cast::transfer_of(transfer, "--transfer")};
   // Until the new rays are there, the old ones are cast through their own volume, and follow its cuts.
   if (what == Cast::none) {
     renderer.rays().show(nullptr, {});
   } else if (what == Cast::ct) {
     if (!loaded_.has_ct()) refuse("ct", "the case has no CT; a scene asks for it with `ct: {}`");
     if (functions.empty()) functions = {voxel::transfer_from_text("bone", "--transfer")};
-    ct_ = loaded_.ct;
-    if (loaded_.has_haptic()) follow_ct(grid::whole_box(loaded_.haptic.voxels));
+    if (what_ != Cast::ct) {  // else it has followed each cut
+      ct_ = loaded_.ct;
+      if (loaded_.has_haptic()) follow_ct(grid::whole_box(loaded_.haptic.voxels));
+    }
     renderer.rays().show(&ct_, cast::CastTable(functions));
   } else {
     if (!loaded_.has_haptic()) refuse("haptic", "the case has no haptic volume");
@@ -55,6 +58,16 @@ void CastSource::show(Renderer& renderer, Cast what, const std::string& transfer
   }
   if (what != Cast::ct) ct_ = {};
   what_ = what;
+  functions_ = std::move(functions);
+}
+
+void CastSource::show(Renderer& renderer, const voxel::TransferFunction& resolved) {
+  renderer.rays().show(voxels(), cast::CastTable({resolved}));
+  functions_ = {resolved};
+}
+
+const grid::Grid<std::int16_t>* CastSource::voxels() const {
+  return what_ == Cast::none ? nullptr : what_ == Cast::ct ? &ct_ : &loaded_.haptic.voxels;
 }
 
 void CastSource::follow(Renderer& renderer, const std::vector<std::size_t>& marked) {

@@ -18,8 +18,12 @@ class CastSource {
   /// Throws Error 64 where the case has no such volume, or the text is no transfer function; Error 74 as
   /// VolumeRays::show. What was cast before is then cast on, and follows cuts.
   void show(Renderer& renderer, scene::ViewParams::Cast what, const std::string& transfer);
+  /// By that function from now on: of what is cast, which must be something.
+  void show(Renderer& renderer, const voxel::TransferFunction& resolved);
   /// The marked bricks of the haptic volume have changed.
   void follow(Renderer& renderer, const std::vector<std::size_t>& marked);
+  const std::vector<voxel::TransferFunction>& functions() const { return functions_; }  ///< of what is cast; resolved
+  const grid::Grid<std::int16_t>* voxels() const;                                       ///< null where nothing is
 
  private:
   grid::Box follow_ct(const grid::Box& haptic_box);  ///< returns the voxels of the CT that it looked at
@@ -28,6 +32,7 @@ class CastSource {
   const grid::Grid<std::int16_t>& uncut_;
   grid::Grid<std::int16_t> ct_;  // where it is cast
   scene::ViewParams::Cast what_ = scene::ViewParams::Cast::none;
+  std::vector<voxel::TransferFunction> functions_;
 };
 
 }  // namespace trephine::render

@@ -46,8 +46,10 @@ struct IncisionWall {
 class VolumeRays {
  public:
   virtual ~VolumeRays() = default;
-  /// Casts them through the volume, which must outlive the renderer or the next call; null: there are none. Throws
-  /// Error 74 where the graphics memory does not suffice, or a side of the volume is longer than max_ct_side().
+  /// Casts them through the volume, which must outlive the renderer or the next call; null: there are none. Where it is
+  /// the volume of the last call, only the table is taken, and what changed of its voxels since must have been
+  /// followed. Throws Error 74 where the graphics memory does not suffice, or a side of the volume is longer than
+  /// max_ct_side().
   virtual void show(const grid::Grid<std::int16_t>* voxels, const cast::CastTable& table) = 0;
   /// Voxels of the box have changed; what of it lies beyond the volume is left out.
   virtual void follow(const grid::Box& box) = 0;

@@ -81,7 +81,10 @@ struct Renderer::Impl {
   DrawnPlanes planes;
   struct Rays : VolumeRays {
     void show(const grid::Grid<std::int16_t>* voxels, const cast::CastTable& table) override {
-      pass = voxels ? std::make_unique<CastPass>(*voxels, table) : nullptr;
+      if (voxels && pass && &pass->voxels() == voxels)
+        pass->set_table(table);
+      else
+        pass = voxels ? std::make_unique<CastPass>(*voxels, table) : nullptr;
     }
     void follow(const grid::Box& box) override {
       if (pass) pass->follow(box);

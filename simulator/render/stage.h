@@ -54,6 +54,9 @@ class Stage {
   /// Casts rays through a volume of the case, and draws what `opacity` of the view names of the anatomies alone.
   /// Throws as CastSource::show.
   void cast(scene::ViewParams::Cast what, const std::string& transfer);
+  /// By that function from now on, what is cast; something must be.
+  void cast(const voxel::TransferFunction& resolved) { cast_source_.show(*renderer_, resolved); }
+  const CastSource& cast_source() const { return cast_source_; }
   /// The incisions that are shown: `count` of them, from the first. Of more than Renderer::max_incisions the oldest
   /// look closed.
   void show_incisions(const std::vector<session::IncisionMark>& all, std::size_t count);

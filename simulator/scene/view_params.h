@@ -85,7 +85,8 @@ struct ViewParams {
     v.text(
         &P::transfer, "transfer",
         "What the rays see of HU: bone, skin or vessels, or points HU:OPACITY:RRGGBB with commas between them, such as "
-        "150:0:e0c8a8,300:0.9:f0e8d0. Empty: what the case says of its haptic volume, and bone for the CT.");
+        "150:0:e0c8a8,300:0.9:f0e8d0, or a file that the window's editor wrote, which ends in .yaml. Empty: what the "
+        "case says of its haptic volume, and bone for the CT.");
     v.numbers(&P::box_low_mm, "box_low_mm", Range{-1000, 1000},
               "Of the volume, nothing is seen below these places along LPS, mm from the scene's middle.");
     v.numbers(&P::box_high_mm, "box_high_mm", Range{-1000, 1000}, "Nor above these.");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "window/action_when.h"
 
+#include "window/action_replies.h"
+
 namespace trephine::window {
 
 texts::Answer without_recording(const Player& p) {
@@ -42,6 +44,16 @@ texts::Answer with_burr(const Player& p) {
 
 texts::Answer with_marker(const Player& p) {
   return p.live() && p.live()->draws() ? texts::Answer() : texts::Answer(texts::NoteId::nothing_there);
+}
+
+texts::Answer with_volume(const Player& p) {
+  if (const texts::Answer not_here = outside_lesson(p)) return not_here;
+  return cast_choices(p).empty() ? texts::Answer(texts::NoteId::no_volume) : texts::Answer();
+}
+
+texts::Answer with_rays(const Player& p) {
+  if (const texts::Answer not_here = outside_lesson(p)) return not_here;
+  return p.view().stage().cast_source().voxels() ? texts::Answer() : texts::Answer(texts::NoteId::nothing_cast);
 }
 
 }  // namespace trephine::window

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "window/action_entries.h"
 #include "window/action_replies.h"
 #include "window/action_when.h"
 #include "window/texts.h"
@@ -59,18 +60,7 @@ void tilt(Player& p, const Screen& s, const Gesture& g) {
   if (p.live()) p.live()->hand.turn(g.x * turn, g.y * turn);
 }
 
-// What is done with the player and the words, and with the hand, where somebody is at work.
-template <class F>
-std::function<Reply(Player&, Screen&, Words&)> does(F what) {
-  return [what](Player& p, Screen&, Words& w) {
-    if constexpr (std::is_void_v<decltype(what(p, w))>) {
-      what(p, w);
-      return Reply();
-    } else {
-      return Reply(what(p, w));
-    }
-  };
-}
+// What is done with the hand, where somebody is at work.
 std::function<Reply(Player&, Screen&, Words&)> hand_does(texts::Answer (*what)(Hand&, Screen&, Words&)) {
   return [what](Player& p, Screen& s, Words& w) { return p.live() ? Reply(what(p.live()->hand, s, w)) : Reply(); };
 }
@@ -80,25 +70,6 @@ std::vector<std::string> view_names(const Player&) {
   for (const auto& [name, value] : scene::view_presets()) names.push_back(name);
   return names;
 }
-
-// The entries of a group, and the one that is made.
-class Entries {
- public:
-  Entries(std::vector<Action>& all, Group group) : all_(all), group_(group) {}
-  void add(const char* name, const char* arguments, texts::Wording what, texts::Answer (*enabled)(const Player&) = {}) {
-    Action& a = all_.emplace_back();
-    a.name = name;
-    a.arguments = arguments;
-    a.what = what;
-    a.enabled = enabled;
-    a.group = group_;
-  }
-  Action* operator->() { return &all_.back(); }
-
- private:
-  std::vector<Action>& all_;
-  Group group_;
-};
 
 void hand_actions(Entries e) {
   e.add("move", "X Y Z",
@@ -237,6 +208,7 @@ void view_actions(Entries e) {
         outside_lesson);
   e->choices = cast_choices;
   e->run = does(cast_volume);
+  transfer_actions(e);
   e.add("places", "on|off|toggle", {{"landmarks, burr holes and targets", "Landmarken, Bohrlöcher und Ziele"}},
         outside_lesson);
   e->label = {{"Landmarks and targets", "Landmarken und Ziele"}};

@@ -13,7 +13,7 @@ namespace trephine::window {
 /// The window's own state, as actions find and change it.
 struct Screen {
   Cursor cursor;
-  bool panels_shown = true;
+  bool panels_shown = true, editor_shown = false;  ///< the editor: of the transfer function
   fluoro::MetalShown metal = fluoro::MetalShown::bright;
   render::Mirror mirror = render::Mirror::none;  ///< of the whole window
   texts::Language language = texts::Language::english;

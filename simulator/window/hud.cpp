@@ -70,7 +70,8 @@ void action_button(const char* name, Player& player, Screen& screen, bool flows)
   if (flows) flow_on(label);
   if (!button(label.c_str())) return;
   const std::string words = action.keys.empty() ? "" : action.keys.front().words;
-  screen.answer = act(action, player, screen, words).fault;
+  const Reply reply = act(action, player, screen, words);
+  screen.answer = reply.told.empty() ? reply.fault : texts::Note{texts::NoteId::verbatim, {reply.told}};
 }
 
 void action_box(const char* name, bool on, Player& player, Screen& screen) {
@@ -145,6 +146,7 @@ void Hud::patient_panel(Player& player, Screen& screen) {
   if (!action_of("cast").choices(player).empty()) {
     ImGui::TextColored(sky, "%s", say(Text::cast));
     choice_buttons("cast", player, screen);
+    action_box("editor", screen.editor_shown, player, screen);
   }
   if (player.live()) {
     ImGui::TextColored(sky, "%s", say(Text::tool));
@@ -294,6 +296,7 @@ void Hud::draw(Player& player, Screen& screen, const PictureTimes& times) {
     if (player.lesson() && player.shown()) score_panel(*player.lesson());
     status_panel(player, screen, times);
     if (player.shown()) playback_panel(*player.shown());
+    if (screen.editor_shown && !player.in_lesson()) transfer_panel(player, screen);
   }
   if (player.xrays() && player.live()) xray_panel(player, screen);
   if (has_shots) shot_panel(player);

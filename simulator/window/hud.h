@@ -8,6 +8,7 @@
 #include "window/glfw_window.h"
 #include "window/layout.h"
 #include "window/texts.h"
+#include "window/transfer_diagram.h"
 
 namespace trephine::window {
 
@@ -44,6 +45,7 @@ class Hud {
   void xray_picture(const XrayPictures& pictures, float edge);
   void inset_letters(const Player& player, int width, int height);
   void playback_panel(ShownRecording& shown);
+  void transfer_panel(Player& player, Screen& screen);
   const char* say(Text text) const { return text_of(language_, text); }
   Layout layout_{1, 1, 1, false, false, false, false};  // of the picture that is drawn
   double scale_;
@@ -51,6 +53,9 @@ class Hud {
   std::deque<std::string> note_lines_;  // of the notes that are kept, as they are shown
   std::size_t notes_seen_ = 0;
   fluoro::MetalShown metal_ = fluoro::MetalShown::bright;
+  TransferDiagram diagram_;
+  cast::HuHistogram histogram_;
+  std::pair<const grid::Grid<std::int16_t>*, int> counted_{nullptr, 0};  // the volume of the histogram, and its stage
   unsigned texture_ = 0;          // of the fluoroscopic picture; 0 before the first
   std::uint64_t in_texture_ = 0;  // XrayPictures::made of what it holds
 };

@@ -41,6 +41,10 @@ Layout::Layout(float width, float height, float letter, bool has_xray, bool has_
   if (has_scores) scores = below(status, 30 * letter, 0.55f * room, true);
   const float column = std::max(has_xray ? xray.width : 0.f, status.width);
   patient = {work.x + work.width, 0, width - margin - column - work.x - work.width, height};
+  const float wide = std::min(std::clamp(patient.width - 2 * margin, 30 * letter, 60 * letter), width - 2 * margin);
+  const float high = std::min(22 * letter, 0.6f * room);
+  const float beside = std::min(patient.x + 0.5f * (patient.width - wide), width - margin - wide);
+  transfer = {std::max(margin, beside), bottom - high, wide, high};
   if (has_shots) shots = below(work, 0.9f * side, 0.9f * side + 6 * letter, false);
 }
 

@@ -122,7 +122,7 @@ class Loop {
 
   // A folder that cannot be written is no reason to end somebody's session.
   void take_shot(int width, int height) {
-    const std::filesystem::path file = player_.next_shot();
+    const std::filesystem::path file = player_.next_file("picture", ".png");
     try {
       const scene::Picture seen = render::read_picture(width, height);
       write_file(file, png_of(seen.width, seen.height, 3, seen.rgb));
@@ -133,7 +133,7 @@ class Loop {
       screen_.answer = texts::Note{texts::NoteId::verbatim, {file.string()}};
     } catch (const Error& e) {
       if (e.file().empty()) throw;  // what the driver said
-      player_.notes.add({texts::NoteId::picture_not_written, {e.file(), e.what()}});
+      player_.notes.add({texts::NoteId::file_not_written, {e.file(), e.what()}});
     }
   }
 

@@ -137,9 +137,10 @@ std::vector<std::string> Player::tools() const {
   return names;
 }
 
-std::filesystem::path Player::next_shot() {
+std::filesystem::path Player::next_file(const std::string& stem, const std::string& ending) const {
   std::filesystem::path file;
-  do file = options_.shots / fmt::format("picture-{:03}.png", ++shot_);
+  int n = 0;
+  do file = options_.shots / fmt::format("{}-{:03}{}", stem, ++n, ending);
   while (std::filesystem::exists(file));
   return file;
 }

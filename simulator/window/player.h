@@ -66,7 +66,8 @@ class Player {
   bool quits() const { return quits_; }
   void ask_shot() { takes_shot_ = true; }
   bool takes_shot() { return std::exchange(takes_shot_, false); }
-  std::filesystem::path next_shot();
+  /// In the folder of pictures: STEM-001ENDING, or under the first number that is free.
+  std::filesystem::path next_file(const std::string& stem, const std::string& ending) const;
 
  private:
   void make_view(std::shared_ptr<session::Patient> patient, const scene::ViewParams& params);
@@ -84,7 +85,7 @@ class Player {
   std::unique_ptr<LiveSession> live_;
   std::size_t told_notes_ = 0;  // of the stage
   std::uint32_t faults_ = 0;    // of the sessions before a review
-  int stages_ = 0, shot_ = 0;
+  int stages_ = 0;
   bool judged_ = false, quits_ = false, takes_shot_ = false;
 };
 

@@ -72,15 +72,21 @@ constexpr Row table[] = {
     {Text::notes, {{"Notes", "Meldungen"}}},
     {Text::log, {{"Log", "Protokoll"}}},
     {Text::sign, {{"Sign", "Zeichen"}}},
+    {Text::opacity, {{"opacity", "Deckkraft"}}},
+    {Text::colour, {{"colour", "Farbe"}}},
+    {Text::felt_from_opacity, {{"is felt from that opacity on", "ab dieser Deckkraft zu spüren"}}},
+    {Text::felt_from, {{"felt from", "zu spüren ab"}}},
+    {Text::not_felt, {{"several ranges: a shape has one", "mehrere Bereiche: eine Form hat einen"}}},
 };
 
 // Of views, cuts and places of the C-arm; a tool brings its own.
 constexpr texts::Wording names[] = {
-    {{"surgeon", "Chirurg"}}, {{"front", "vorn"}},         {{"back", "hinten"}},       {{"left", "links"}},
-    {{"right", "rechts"}},    {{"top", "oben"}},           {{"bottom", "unten"}},      {{"oblique", "schräg"}},
-    {{"ap", "a.-p."}},        {{"lateral", "seitlich"}},   {{"none", "keine"}},        {{"tool", "Instrument"}},
-    {{"haptic", "haptisch"}}, {{"ct bone", "CT Knochen"}}, {{"ct skin", "CT Haut"}},   {{"ct vessels", "CT Gefäße"}},
-    {{"axial", "axial"}},     {{"coronal", "koronal"}},    {{"sagittal", "sagittal"}},
+    {{"surgeon", "Chirurg"}},    {{"front", "vorn"}},        {{"back", "hinten"}},          {{"left", "links"}},
+    {{"right", "rechts"}},       {{"top", "oben"}},          {{"bottom", "unten"}},         {{"oblique", "schräg"}},
+    {{"ap", "a.-p."}},           {{"lateral", "seitlich"}},  {{"none", "keine"}},           {{"tool", "Instrument"}},
+    {{"bone", "Knochen"}},       {{"skin", "Haut"}},         {{"vessels", "Gefäße"}},       {{"haptic", "haptisch"}},
+    {{"ct bone", "CT Knochen"}}, {{"ct skin", "CT Haut"}},   {{"ct vessels", "CT Gefäße"}}, {{"axial", "axial"}},
+    {{"coronal", "koronal"}},    {{"sagittal", "sagittal"}},
 };
 
 constexpr bool complete() {

@@ -62,6 +62,11 @@ enum class Text {
   notes,
   log,
   sign,
+  opacity,
+  colour,
+  felt_from_opacity,
+  felt_from,
+  not_felt,
   count
 };
 const char* text_of(texts::Language language, Text text);

@@ -42,7 +42,7 @@ until_file "$work/shots/picture-001.png"
 # A picture that cannot be written is told, and nothing else happens.
 rm -r "$work/shots"
 ok shot
-until_is 'notes en' 'a picture could not be written: .*shots'
+until_is 'notes en' 'a file could not be written: .*shots'
 # Other burrs by keys, and only where a burr is in the hand.
 until_state 'burr_mm 5$'
 xdotool key b

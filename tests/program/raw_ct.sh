@@ -114,4 +114,48 @@ ask 'cast ct'
 [[ $answer == *'the case has no CT'* ]] || fail "there is no CT: $answer"
 ask 'cast mri'
 [[ $answer == 'error: cast: must be none, ct or haptic' ]] || fail "another volume: $answer"
+
+# The editor: what it writes comes back in this window, in `render`, and in a case whose scene names it, with the same picture.
+ok 'cast haptic'
+ask 'point 1 200 0'
+[[ $answer == 'error: each shape has a function of its own'* ]] || fail "one of two functions is edited: $answer"
+ok 'editor on'; ok 'transfer shape bone'
+ask transfer
+[[ $answer == '150:0:ede3c7,350:0.95:ede3c7,1200:1:faf7ed' ]] || fail "the shape's own function: $answer"
+ok 'point 2 600 0.5 ff4020'; ok 'add_point 400 0.05'; ok 'point 2 420 0.04'
+ask 'point 9 1 1'
+[[ $answer == 'error: 9: the function has points 1 to 4' ]] || fail "no such point: $answer"
+ask transfer
+[[ $answer == '150:0:ede3c7,420:0.04:'*',600:0.5:ff4020,1200:1:faf7ed' ]] || fail "what was edited: $answer"
+edited=$answer
+ask write_transfer
+file=$answer
+[[ $file == "$work/shots/transfer-001.yaml" && -s $file ]] || fail "nothing is written: $answer"
+ok 'cast haptic bone'; ask transfer
+[[ $answer == '150:0:'* && $answer != "$edited" ]] || fail "another function: $answer"
+ok "cast haptic $file"; ask transfer
+[[ $answer == "$edited" ]] || fail "what was written is not what comes back: $answer"
+rm -r "$work/shots"
+ask write_transfer
+[[ $answer == 'error: a file could not be written: '*shots* ]] || fail "a folder that is gone: $answer"
+mkdir "$work/shots"
+ask write_transfer
+cp "$answer" "$root/configs/scenes/edited.yaml"
+ok quit; finish 0
+sed -i 's/^    bone: .*/    bone: {material: bone, cuttable: true, transfer_file: edited.yaml}/; /^    soft:/d' "$root/configs/scenes/raw.yaml"
+make edited
+python3 - "$work/out/edited/case.json" "$root/configs/scenes/edited.yaml" <<'PY'
+import json, sys
+written, bone = json.load(open(sys.argv[2])), json.load(open(sys.argv[1]))["haptic"]["shapes"][0]
+assert bone["transfer"]["points"] == written["points"], (bone, written)
+assert bone["window"][0] == 600, bone["window"]
+PY
+picture() {  # NAME FLAGS...
+  "$TREPHINE" render "$work/out/edited" --out "$work/pictures" --view back --width 320 --height 240 --no-places --cast haptic "${@:2}" >"$work/said" ||
+    { cat "$work/said"; fail "render"; }
+  mv "$work/pictures/frame-00001.png" "$work/$1.png"
+}
+picture own; picture file --transfer "$root/configs/scenes/edited.yaml"; picture bone --transfer bone
+cmp -s "$work/own.png" "$work/file.png" || fail "the case's own function and its file give two pictures"
+! cmp -s "$work/own.png" "$work/bone.png" || fail "every function gives the same picture"
 echo ok
