@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "haptics/bone_heat.h"
+#include "drill/bone_heat.h"
 #include "sound/drill_sound.h"
 
 using namespace trephine;
@@ -116,9 +116,9 @@ TEST(HapticsSound, AWavFile) {
 }
 
 TEST(HapticsHeat, GoesToWhereGainAndLossAreEqual) {
-  haptics::HeatParams dry;
+  drill::HeatParams dry;
   dry.irrigation_ml_per_min = 0;
-  haptics::BoneHeat heat(dry, 3.5);
+  drill::BoneHeat heat(dry, 3.5);
   for (int n = 0; n < 1000; ++n) heat.step(1, true, 1);
   // 2 pi k R of a half space, k = 0.54 W/mK.
   EXPECT_NEAR(heat.now_c(), 37 + 0.2 / (2 * M_PI * 0.54e-3 * 3.5), 1e-6);
@@ -130,9 +130,9 @@ TEST(HapticsHeat, GoesToWhereGainAndLossAreEqual) {
 
 TEST(HapticsHeat, IsCooledByIrrigation) {
   const auto after = [](double ml_per_min, double power_w) {
-    haptics::HeatParams p;
+    drill::HeatParams p;
     p.irrigation_ml_per_min = ml_per_min;
-    haptics::BoneHeat heat(p, 3.5);
+    drill::BoneHeat heat(p, 3.5);
     for (int n = 0; n < 10000; ++n) heat.step(power_w, true, 0.001);
     return heat.max_c();
   };
@@ -144,9 +144,9 @@ TEST(HapticsHeat, IsCooledByIrrigation) {
 }
 
 TEST(HapticsHeat, TheDoseCountsMinutesAt43Degrees) {
-  haptics::HeatParams p;
+  drill::HeatParams p;
   p.irrigation_ml_per_min = 0;
-  haptics::BoneHeat heat(p, 3.5);
+  drill::BoneHeat heat(p, 3.5);
   const double at_43 = 6 * 2 * M_PI * 0.54e-3 * 3.5 / 0.2;
   for (int n = 0; n < 600; ++n) heat.step(at_43, true, 1);
   EXPECT_NEAR(heat.now_c(), 43, 1e-6);
@@ -154,7 +154,7 @@ TEST(HapticsHeat, TheDoseCountsMinutesAt43Degrees) {
   for (int n = 0; n < 60; ++n) heat.step(at_43, true, 1);
   EXPECT_NEAR(heat.dose_min() - before, 1, 1e-6);
   // Ticks of another length end at the same temperature.
-  haptics::BoneHeat fine(p, 3.5), coarse(p, 3.5);
+  drill::BoneHeat fine(p, 3.5), coarse(p, 3.5);
   for (int n = 0; n < 2000; ++n) fine.step(3, true, 0.0005);
   for (int n = 0; n < 50; ++n) coarse.step(3, true, 0.02);
   EXPECT_NEAR(fine.now_c(), coarse.now_c(), 1e-9);

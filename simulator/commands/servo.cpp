@@ -157,7 +157,7 @@ void print_drilled(const session::SessionResult& r) {
     std::cout << fmt::format("{:.2f} mm3 of that removed late, from behind the tool\n", r.outcome->late_mm3);
   if (d.energy_j > 0)
     std::cout << fmt::format("bone at most {:.1f} degrees, {:.1f} s above {:g}; as {:.2g} minutes at 43\n",
-                             d.max_bone_c, d.above_harm_s, haptics::BoneHeat::harm_c, d.heat_dose_min);
+                             d.max_bone_c, d.above_harm_s, drill::BoneHeat::harm_c, d.heat_dose_min);
   if (d.breached)
     std::cout << fmt::format("through at {:.3f} s, at {:.2f}, {:.2f}, {:.2f} mm\n", d.breach_time_s, d.breach_mm.x,
                              d.breach_mm.y, d.breach_mm.z);

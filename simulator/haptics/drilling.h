@@ -7,9 +7,9 @@
 
 #include "base/params.h"
 #include "cases/case.h"
+#include "drill/bone_heat.h"
 #include "drill/drill.h"
 #include "drill/letting_go.h"
-#include "haptics/bone_heat.h"
 #include "haptics/burrs.h"
 #include "haptics/feel.h"
 #include "haptics/haptic_state.h"
@@ -19,7 +19,7 @@ namespace trephine::haptics {
 
 /// How a session cuts. Button 1 of the device is the drill's pedal; button 2, when it goes down, marks the tip as the
 /// middle of an incision.
-struct DrillingParams : HeatParams {
+struct DrillingParams : drill::HeatParams {
   enum class Cutter { own, ball, cylinder };
   bool drill = false;
   Cutter cutter = Cutter::own;
@@ -51,7 +51,7 @@ struct DrillingParams : HeatParams {
              "What is left of bone under a cutter whose tip is through breaks under more than this, by its area.");
     v.integer(&P::undo_steps, "undo_steps", Range{0, 1000},
               "How many strokes and incisions can be taken back, the last one first; 0: none, nor all at once.");
-    v.template all_of<HeatParams>();
+    v.template all_of<drill::HeatParams>();
   }
 };
 
@@ -64,7 +64,7 @@ struct DrillingOutcome {
   /// While it removed something, or did so within the last 20 ms: for how long, the force's mean times that, and how
   /// far the tool went on along its axis.
   double cutting_s = 0, cutting_n_s = 0, advanced_mm = 0;
-  double max_bone_c = BoneHeat::body_c, above_harm_s = 0, heat_dose_min = 0;  ///< BoneHeat
+  double max_bone_c = drill::BoneHeat::body_c, above_harm_s = 0, heat_dose_min = 0;  ///< BoneHeat
   int incisions = 0;
   int undone = 0, resets = 0;  ///< strokes and incisions that were taken back; how often all was
   bool breached = false;       ///< the tip left drilled bone on the other side than it came in, for the first time
@@ -147,7 +147,7 @@ class Drilling {
   voxel::HapticVolume before_;  ///< as it was at the start
   voxel::HapticDecoder before_decoder_;
   drill::Drill drill_;
-  BoneHeat heat_;
+  drill::BoneHeat heat_;
   double removed_j_ = 0, removed_mm3_ = 0, voxel_mm3_;  // in this tick
   double since_cut_s_ = 1;
   std::atomic<float> load_{0}, hardness_{0};

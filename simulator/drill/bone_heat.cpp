@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "haptics/bone_heat.h"
+#include "drill/bone_heat.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace trephine::haptics {
+namespace trephine::drill {
 namespace {
 
 constexpr double conductivity_w_per_mm_k = 0.54e-3, capacity_j_per_g_k = 1.26, density_g_per_mm3 = 2.1e-3;
@@ -39,4 +39,4 @@ void BoneHeat::step(double power_w, bool runs, double dt_s) {
   }
 }
 
-}  // namespace trephine::haptics
+}  // namespace trephine::drill

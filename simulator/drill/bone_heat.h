@@ -2,7 +2,7 @@
 #pragma once
 #include "base/params.h"
 
-namespace trephine::haptics {
+namespace trephine::drill {
 
 struct HeatParams {
   double irrigation_ml_per_min = 40, irrigation_c = 22, heat_into_bone_ratio = 0.2;
@@ -43,4 +43,4 @@ class BoneHeat {
   double now_c_ = body_c, max_c_ = body_c, above_s_ = 0, dose_min_ = 0;
 };
 
-}  // namespace trephine::haptics
+}  // namespace trephine::drill
