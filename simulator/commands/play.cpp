@@ -114,6 +114,9 @@ ExitCode run_play(const cli::ParsedCommand& given) {
     throw Error(ExitCode::usage, "", "--record-server-port", "is of a --lesson");
   for (const char* own : {"participant", "task", "rubric", "out", "approved_sha256"})
     if (parsed.has(own) && !o.lesson) throw Error(ExitCode::usage, "", std::string("--") + own, "is of a --lesson");
+  if (o.session.target.target && (o.lesson || !o.playback.empty()))
+    throw Error(ExitCode::usage, "", "--target",
+                "is of a session without a lesson; a recording has the target that it was made with");
   o.ghost = parsed.path("ghost");
   if (parsed.has("screen")) {
     if (o.session.device.name.empty() || !o.playback.empty())

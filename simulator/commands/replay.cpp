@@ -3,6 +3,7 @@
 
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "base/error.h"
 #include "base/refusal.h"
@@ -13,6 +14,7 @@
 #include "haptics/force_changes.h"
 #include "haptics/recording.h"
 #include "session/force_figures.h"
+#include "session/moving_target.h"
 #include "session/playback.h"
 #include "sound/drill_sound.h"
 
@@ -69,6 +71,17 @@ void print(const char* what, const session::ForceFigures& f) {
       f.sigma_n_per_s, f.mean_force_n, f.most_force_n, f.mean_lag_mm, f.max_lag_mm);
 }
 
+Json json_of(const session::TargetFigures& f) {
+  return {{"seconds", f.seconds},
+          {"touching_ratio", f.touching_ratio},
+          {"mean_off_mm", f.mean_off_mm},
+          {"p95_off_mm", f.p95_off_mm},
+          {"most_off_mm", f.most_off_mm},
+          {"mean_behind_mm", f.mean_behind_mm},
+          {"mean_behind_s", f.mean_behind_s},
+          {"p95_behind_mm", f.p95_behind_mm}};
+}
+
 constexpr double longest_sound_s = 3600;
 
 // The replayed frames, and what is heard of the drill in each.
@@ -121,6 +134,12 @@ ExitCode run_replay(const cli::ParsedCommand& parsed) {
   contact::ContactVolume& contact = patient->contact;
   session::Rerun rerun(felt, contact, parsed.text("recording"), h);
   const haptics::Drilling* drilling = rerun.drilling();
+  std::optional<session::TargetFigures> followed;
+  if (const auto target = session::target_of(h, *patient)) {
+    session::TargetWatch watch(target);
+    for (const haptics::ServoFrame& f : recording.frames) watch.look(f);
+    followed = watch.figures();
+  }
   std::vector<sound::DrillHeard> heard;
   if (parsed.has("sound")) require_sound(parsed, recording);
   const std::vector<haptics::ServoFrame> replayed =
@@ -141,12 +160,15 @@ ExitCode run_replay(const cli::ParsedCommand& parsed) {
   if (other) print("replayed", is);
   const haptics::ForceChanges all = haptics::force_changes(recording.frames, false),
                               drilled = haptics::force_changes(recording.frames, true);
+  if (followed)
+    std::cout << "target " << (followed->seconds > 0 ? session::target_text(*followed) : "that never set off") << "\n";
   print("all ticks", all);
   if (drilled.ticks > 0) print("while drilling", drilled);
   if (parsed.has("json")) {
     Json j = {{"frames", replayed.size()}, {"missing", missing}, {"different", different}, {"recorded", json_of(was)}};
     j["replayed"] = json_of(is);
     j["force_changes"] = {{"all", json_of(all)}, {"drilling", json_of(drilled)}};
+    if (followed) j["target"] = json_of(*followed);
     write_file(parsed.path("json"), j.dump(1) + "\n");
   }
   if (parsed.has("sound")) write_sound(parsed, h, heard);

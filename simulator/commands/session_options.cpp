@@ -28,6 +28,7 @@ session::SessionOptions session_options_of(const cli::ParsedCommand& parsed) {
   o.free = parsed.params<haptics::FreeParams>();
   o.tool = parsed.params<haptics::ToolParams>();
   o.shaft = parsed.params<haptics::ShaftParams>();
+  o.target = parsed.params<haptics::TargetParams>();
   o.drilling = parsed.params<haptics::DrillingParams>();
   o.law = parsed.params<drill::DrillParams>();
   o.sound = parsed.params<sound::LiveSoundParams>();
@@ -100,6 +101,7 @@ std::vector<cli::ParameterGroup> session_groups() {
       cli::ParameterGroup::of<haptics::FreeParams>("What is felt everywhere"),
       cli::ParameterGroup::of<haptics::ToolParams>("Tool"),
       cli::ParameterGroup::of<haptics::ShaftParams>("Its shaft"),
+      cli::ParameterGroup::of<haptics::TargetParams>("A target to follow"),
       cli::ParameterGroup::of<haptics::DrillingParams>("Drilling"),
       cli::ParameterGroup::of<drill::DrillParams>("The law of removal"),
       cli::ParameterGroup::of<sound::LiveSoundParams>("Sound of the drill"),

@@ -4,7 +4,10 @@
 namespace trephine::dataset {
 
 ShownRecording::ShownRecording(session::Playback& playback, render::Stage& stage)
-    : playback_(playback), stage_(stage), dust_(scene::dust_watch_of(playback)) {}
+    : playback_(playback),
+      stage_(stage),
+      dust_(scene::dust_watch_of(playback)),
+      target_(session::target_of(playback.header(), *playback.patient())) {}
 
 void ShownRecording::go_to(double time_s) {
   playback_.go_to(time_s);
@@ -18,6 +21,7 @@ void ShownRecording::go_to(double time_s) {
   stage_.show_incisions(playback_.incisions(), incisions);
   if (stage_.view().dust) dust_.go_to(playback_.frames(), playback_.frame_number() + 1);
   stage_.show_dust(dust_.dust());
+  stage_.state.moving = scene::moving_of(target_.get(), playback_.frame().time_s);
   stage_.show_frame(playback_.frame());
 }
 

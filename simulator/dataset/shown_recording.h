@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <memory>
 #include <string>
 
 #include "render/stage.h"
 #include "scene/bone_dust.h"
+#include "session/moving_target.h"
 #include "session/playback.h"
 
 namespace trephine::dataset {
@@ -19,6 +21,7 @@ class ShownRecording {
   session::Playback& playback_;
   render::Stage& stage_;
   scene::DustWatch dust_;
+  std::shared_ptr<const session::MovingTarget> target_;
   std::string tool_;  ///< in hand in the picture before
 };
 

@@ -12,13 +12,14 @@
 #include "haptics/frame.h"
 #include "haptics/free_feel.h"
 #include "haptics/proxy.h"
+#include "haptics/target_params.h"
 #include "haptics/tool_belt.h"
 
 namespace trephine::haptics {
 
 /// The one version that is written and read. Whatever changes forces, the header or the frames raises it and removes
 /// what it replaces.
-constexpr int recording_version = 15;
+constexpr int recording_version = 16;
 
 /// What was cut.
 struct RecordedCutting {
@@ -74,6 +75,7 @@ struct RecordingHeader {
   ToolParams tool;  ///< as own_tool() gives it
   DrillingParams drilling;
   drill::DrillParams law;
+  TargetParams target;
   std::vector<BeltToolParams> tools;  ///< of a lesson; empty: `tool` alone
   std::string lesson, participant;    ///< the module, and an anonymous token; with tools only
   std::string task;                   ///< what was asked for in the lesson
@@ -103,6 +105,8 @@ struct RecordingHeader {
     const auto drills = [](const P& h) { return h.drilling.drill; };
     v.only_where(v.group(&P::drilling, "drilling", "How the session cuts."), drills);
     v.only_where(v.group(&P::law, "law", "How material is removed."), drills);
+    v.only_where(v.group(&P::target, "target", "The target that the hand was to follow."),
+                 [](const P& h) { return h.target.target; });
     v.only_where(v.section("lesson", "The lesson, where it is one.",
                            [](auto& in) {
                              in.text(&P::lesson, "module", "Its module.");

@@ -224,10 +224,11 @@ void Renderer::Impl::draw_solid_at(const SolidBuffer& solid, Vec3 place_mm, cons
 }
 
 void Renderer::Impl::draw_markers(const scene::SceneState& state, double opacity) {
-  for (const scene::Marker& m : state.markers) {
-    set_colour(m.colour_rgb);
-    draw_solid_at(ball, m.position_mm, scaled(m.radius_mm), opacity);
-  }
+  for (const auto* all : {&state.markers, &state.moving})
+    for (const scene::Marker& m : *all) {
+      set_colour(m.colour_rgb);
+      draw_solid_at(ball, m.position_mm, scaled(m.radius_mm), opacity);
+    }
 }
 
 void Renderer::Impl::draw_solids(const scene::SceneState& state) {

@@ -92,6 +92,7 @@ struct SceneState {
   std::optional<Vec3> contact_mm;  ///< lit up
   double contact_strength = 0;     ///< 0 to 1
   std::vector<Marker> markers;     ///< landmarks, targets
+  std::vector<Marker> moving;      ///< a target that a hand follows, and where it began
   std::vector<Vec3> ghost_mm;      ///< the way that somebody else went
   bool insets = false;             ///< three slices of the CT through the tip, in a corner
   std::vector<Vec3> trace_mm;      ///< a line

@@ -5,6 +5,7 @@
 
 #include "base/params.h"
 #include "scene/scene.h"
+#include "session/moving_target.h"
 
 namespace trephine::scene {
 
@@ -109,6 +110,8 @@ std::optional<surface::Bounds> cast_box_of(const ViewParams& params, const Scene
 std::optional<CutPlane> cut_of(const ViewParams& params, const SceneData& scene);
 /// Landmarks (amber), burr holes (green) and targets (blue).
 std::vector<Marker> places_of(const cases::CaseManifest& manifest);
+/// A target that a hand follows (red), as it is at that time, and where it began (green); of none nothing.
+std::vector<Marker> moving_of(const session::MovingTarget* target, double time_s);
 OrbitCamera camera_of(const ViewParams& params, const cases::CaseManifest& manifest, const SceneData& scene);
 
 }  // namespace trephine::scene

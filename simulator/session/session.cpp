@@ -191,6 +191,7 @@ haptics::RecordingHeader Session::header_of(const SessionOptions& options) const
   header.tool = haptics::own_tool(options.tool);
   header.drilling = options.drilling;
   header.law = options.law;
+  header.target = options.target;
   header.begins_sha256 = options.begins_sha256;
   if (!options.tools.empty()) {
     set_lesson(header, options.tools, options.lesson, options.participant, patient_->felt.loaded.manifest.haptic);

@@ -64,6 +64,7 @@ struct SessionOptions {
   haptics::DrillingParams drilling;
   drill::DrillParams law;
   haptics::ShaftParams shaft;
+  haptics::TargetParams target;
   sound::LiveSoundParams sound;  ///< without a clock nothing is heard
   /// Of a lesson: the hand holds one of them at a time (haptics/tool_belt.h), and `tool` is ignored. What drills does
   /// so where the case can be drilled. Empty: `tool` alone.

@@ -45,6 +45,7 @@ enum class NoteId {
   ticks,
   ticks_with_faults,
   removed,
+  target_followed,
   outcome_not_completed,
   outcome_completed,
   outcome_failed,

@@ -329,8 +329,8 @@ void program_actions(Entries e) {
   e->run = notes;
   e.add(
       "state", "",
-      {{"answers time, tool, tip, shapes, force, depth, faults, incisions and the servo's rate; in a lesson shapes and "
-        "depth are `hidden` without --remote-tells-all",
+      {{"answers time, tool, tip, shapes, force, depth, faults, incisions and the servo's rate, and how far the tip is "
+        "behind a target that runs; in a lesson shapes and depth are `hidden` without --remote-tells-all",
         nullptr}});
   e->run = does([](Player& p, Words&) { return state_text(p); });
 }

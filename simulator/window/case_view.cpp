@@ -113,6 +113,12 @@ void CaseView::trace(bool on) {
 void CaseView::look_at(const haptics::ServoFrame& frame) {
   frame_ = frame;
   stage_.show_frame(frame);
+  stage_.state.moving = scene::moving_of(target_.get(), frame.time_s);
+}
+
+std::optional<double> CaseView::behind_mm() const {
+  if (!target_ || !target_->runs(frame_.time_s)) return std::nullopt;
+  return target_->behind_mm(frame_.time_s, vec(frame_.proxy_mm));
 }
 
 void CaseView::follow() {

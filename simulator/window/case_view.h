@@ -3,10 +3,13 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "render/stage.h"
+#include "session/moving_target.h"
 #include "session/session.h"
 #include "texts/note.h"
 
@@ -37,6 +40,10 @@ class CaseView {
   void trace(bool on);
   bool traces() const { return traces_; }
 
+  /// A target that a hand follows from now on; null: none.
+  void show_target(std::shared_ptr<const session::MovingTarget> target) { target_ = std::move(target); }
+  /// How far the tip is behind it along its path, mm; none where it does not run.
+  std::optional<double> behind_mm() const;
   /// Tool, hand and contact as they are in that frame.
   void look_at(const haptics::ServoFrame& frame);
   /// Makes the scene follow what was cut, and measures at the tool.
@@ -70,6 +77,7 @@ class CaseView {
   std::shared_ptr<session::Patient> patient_;
   render::Stage stage_;
   std::map<int, std::string> shapes_;
+  std::shared_ptr<const session::MovingTarget> target_;
   haptics::ServoFrame frame_{};
   std::deque<float> forces_;
   double depth_mm_ = 0, target_mm_ = -1, trace_mm_ = 0, trace_apart_mm_ = 1;

@@ -180,6 +180,8 @@ void Hud::status_panel(const Player& player, const Screen& screen, const Picture
     line(say(Text::depth), fmt::format("{:.1f} mm", view.depth_mm()));
   }
   if (view.target_mm() >= 0 && !working) line(say(Text::to_target), fmt::format("{:.1f} mm", view.target_mm()));
+  if (const auto behind = view.behind_mm())
+    line(say(Text::behind_target), fmt::format("{:.1f} mm", *behind), std::abs(*behind) > 5 ? orange : white);
   if (player.live() && player.live()->ink_mm() > 0)
     line(say(Text::last_trace), fmt::format("{:.0f}", player.live()->ink_mm()), sky);
   if (view.traces()) line(say(Text::trace), fmt::format("{:.0f} mm", view.trace_mm()));

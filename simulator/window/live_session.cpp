@@ -133,6 +133,9 @@ void LiveSession::meet() {
   watch_ = std::make_unique<session::IncisionWatch>(session_->header(), shape_at);
   dust_watch_ = std::make_unique<scene::DustWatch>(
       dust_, session_->header(), haptics::drilled_shapes(patient_->felt.loaded.manifest.haptic), shape_at);
+  const auto target = session::target_of(session_->header(), *patient_);
+  target_watch_ = target ? std::make_unique<session::TargetWatch>(target) : nullptr;
+  view_.show_target(target);
   session_->start();
   rate_ticks_ = 0;
   press_as_needed();
@@ -149,13 +152,21 @@ void LiveSession::end() {
   }
   if (!session_) return;
   const session::SessionResult r = session_->finish();
-  for (const haptics::ServoFrame& f : session_->last_frames()) watch_->look(f, incisions_);
+  for (const haptics::ServoFrame& f : session_->last_frames()) {
+    watch_->look(f, incisions_);
+    if (target_watch_) target_watch_->look(f);
+  }
   session_.reset();
   recorded_ = true;
   hand.hold_by(nullptr);
   faults_ |= r.statistics.faults;
   const std::string what = lesson_ ? r.header.lesson : r.header.tool.tool;
   notes_.add(ticks_of(what, r.statistics));
+  if (target_watch_)
+    if (const session::TargetFigures t = target_watch_->figures(); t.seconds > 0)
+      notes_.add({texts::NoteId::target_followed,
+                  {fmt::format("{:.1f}", t.seconds), fmt::format("{:.2f}", t.mean_off_mm),
+                   fmt::format("{:.2f}", t.mean_behind_mm), fmt::format("{:.3f}", t.mean_behind_s)}});
   if (r.frames_lost > 0) notes_.add({texts::NoteId::frames_lost, {std::to_string(r.frames_lost)}});
   if (!r.outcome) return;
   std::string removed;
@@ -262,6 +273,7 @@ void LiveSession::follow() {
   for (const haptics::ServoFrame& f : frames) {
     watch_->look(f, incisions_);
     dust_watch_->look(f, view_.stage().view().dust);
+    if (target_watch_) target_watch_->look(f);
     late_us_ = std::max(late_us_, double(f.late_us));
     marked = marked || (f.buttons & haptics::Drilling::mark);
     commanded = commanded || haptics::belt_button::command(f.buttons) != haptics::belt_command::none;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scene/bone_dust.h"
+#include "session/moving_target.h"
 #include "session/playback.h"
 #include "window/hand.h"
 #include "window/lesson_controller.h"
@@ -77,6 +78,7 @@ class LiveSession {
   std::mutex heard_mutex_;
   std::vector<texts::Note> heard_;  // of sessions that are coming
   std::unique_ptr<session::IncisionWatch> watch_;
+  std::unique_ptr<session::TargetWatch> target_watch_;  // null: no target is followed
   std::vector<session::IncisionMark> incisions_;
   std::shared_ptr<scene::BoneDust> dust_ = std::make_shared<scene::BoneDust>();  // of all sessions
   std::unique_ptr<scene::DustWatch> dust_watch_;

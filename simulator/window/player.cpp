@@ -62,6 +62,7 @@ void Player::set_stage() {
   } else
     view_->stage().state.ghost_mm = ghost_mm_;
   if (shown_) {
+    view_->show_target(session::target_of(shown_->playback().header(), *patient_));
     shown_->show_tool(*view_);
     view_->look_at(shown_->playback().frame());
     return;

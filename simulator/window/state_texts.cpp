@@ -31,6 +31,7 @@ std::string state_text(const Player& player) {
              player.live() ? player.live()->incisions().size() : player.shown()->playback().incisions().size(),
              player.live() ? player.live()->servo_hz() : 0, f.tip_mm[0], f.tip_mm[1], f.tip_mm[2], f.axis[0], f.axis[1],
              f.axis[2]) +
+         (view.behind_mm() ? fmt::format(" behind_mm {:.2f}", *view.behind_mm()) : "") +
          (player.live() && player.live()->holds_burr() ? fmt::format(" burr_mm {:g}", player.live()->burr_mm()) : "");
 }
 

@@ -24,6 +24,7 @@ enum class Text {
   depth,
   force,
   to_target,
+  behind_target,
   picture,
   servo,
   late,
