@@ -171,7 +171,6 @@ TEST(HapticsBurrs, AnotherBurrKeepsWhatIsSetOfTheTool) {
   held.tool_spacing_mm = 1.5;
   held.tool_search = haptics::ToolParams::Search::tail_to_tip;
   held.lock_distance_mm = 7;
-  held.lock = haptics::ToolParams::Lock::line;
   const haptics::ToolParams wider = haptics::with_burr(held, burr("ball", 6)),
                             other = haptics::with_burr(held, burr("diamond", 5));
   EXPECT_EQ(wider.tool_diameter_mm, 6);
@@ -185,7 +184,6 @@ TEST(HapticsBurrs, AnotherBurrKeepsWhatIsSetOfTheTool) {
   for (const haptics::ToolParams& next : {wider, other}) {
     EXPECT_EQ(next.tool_search, held.tool_search);
     EXPECT_EQ(next.lock_distance_mm, 7);
-    EXPECT_EQ(next.lock, held.lock);
   }
 }
 

@@ -26,7 +26,6 @@ struct Session {
   const char* kind;
   double hole_radius_mm, tool_diameter_mm, speed;
   std::uint64_t seed;
-  haptics::ToolParams::Lock lock = haptics::ToolParams::Lock::turn;
 };
 
 struct Left {
@@ -40,8 +39,7 @@ struct Left {
 // Into the hole, about in it at random, and out along the hand's axis to 13 mm above the rim.
 Left leave(const Session& session, const contact::ContactVolume& contact) {
   std::mt19937_64 rng(session.seed);
-  haptics::ToolParams tool = params_of(session.kind, session.tool_diameter_mm, 24, 1);
-  tool.lock = session.lock;
+  const haptics::ToolParams tool = params_of(session.kind, session.tool_diameter_mm, 24, 1);
   haptics::Proxy proxy(contact, one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3)), plain(), {},
                        haptics::make_tool(tool));
   Left left;
@@ -56,8 +54,7 @@ Left leave(const Session& session, const contact::ContactVolume& contact) {
       left.was_locked = is.locked || left.was_locked;
       ++left.ticks;
       left.locked_ticks += is.locked;
-      const double aside_mm = norm(cross(tip - before.proxy_mm, before.axis));  // of the hand; a line holds up to 6 mm
-      if (is.events & haptics::haptic_event::locked || aside_mm > 5.99) locked_at = is.proxy_mm;
+      if (is.events & haptics::haptic_event::locked) locked_at = is.proxy_mm;
       if (is.locked) left.off_line_mm = std::max(left.off_line_mm, norm(cross(is.proxy_mm - locked_at, is.axis)));
       if (is.locked != before.locked) left.step_n = std::max(left.step_n, norm(is.force_n - before.force_n));
       before = is;
@@ -81,9 +78,7 @@ struct Outcome {
   double locked_percent = 0, off_line_mm = 0, mean_step_n = 0;
 };
 
-using Lock = haptics::ToolParams::Lock;
-
-Outcome sessions(int count, std::uint64_t seed, Lock lock = Lock::turn) {
+Outcome sessions(int count, std::uint64_t seed) {
   Outcome out;
   double ticks = 0, locked_ticks = 0;
   for (const double hole_radius_mm : {1.5, 2.5, 4.0}) {
@@ -92,8 +87,8 @@ Outcome sessions(int count, std::uint64_t seed, Lock lock = Lock::turn) {
     std::mt19937_64 rng(seed);
     for (int n = 0; n < count / 3; ++n) {
       const char* kind = all_kinds[rng() % std::size(all_kinds)];
-      const Session session{
-          kind, hole_radius_mm, uniform(rng, 0.5, 0.95) * 2 * hole_radius_mm, uniform(rng, 0.5, 8), rng(), lock};
+      const Session session{kind, hole_radius_mm, uniform(rng, 0.5, 0.95) * 2 * hole_radius_mm, uniform(rng, 0.5, 8),
+                            rng()};
       const Left left = leave(session, contact);
       out.locked += left.was_locked;
       out.mean_step_n += left.step_n;
@@ -125,15 +120,4 @@ TEST(HapticsLeave, AlongTheAxisAToolComesOut) {
   EXPECT_GT(is.off_line_mm, 0.2) << "a locked tool moves on, but for its turn";
 }
 
-// The line lock [Rizzi, 5.5.1], for the same sessions.
-TEST(HapticsLeave, AToolLockedOnALineStaysOnItAndComesOut) {
-  const Outcome is = sessions(300, 1, Lock::line);
-  EXPECT_GT(is.locked, 20) << "else nothing was tried";
-  EXPECT_EQ(is.caught, 0);
-  EXPECT_LT(is.off_line_mm, 1e-6);
-}
-
-TEST(LongHapticsLeave, OfTenThousandSessionsNoneIsCaught) {
-  EXPECT_EQ(sessions(10002, 7).caught, 0);
-  EXPECT_EQ(sessions(10002, 7, Lock::line).caught, 0);
-}
+TEST(LongHapticsLeave, OfTenThousandSessionsNoneIsCaught) { EXPECT_EQ(sessions(10002, 7).caught, 0); }

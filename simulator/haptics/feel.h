@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <array>
+#include <string>
 
 #include "base/params.h"
 #include "cases/case.h"
@@ -71,13 +72,18 @@ struct ForceParams {
   }
 };
 
-/// The shaft of a tool, behind its tip, on which shaft friction acts.
+/// The shaft of a tool, behind its tip, on which shaft friction acts and which holds it on a line.
 struct ShaftParams {
   double shaft_length_mm = 0;
+  std::string line_lock_in;
   template <class V>
   static void describe(V& v) {
     v.number(&ShaftParams::shaft_length_mm, "shaft_length_mm", Range{0, 500},
              "Length of the shaft behind the tip, for friction; 0: the tool's length.");
+    v.text(&ShaftParams::line_lock_in, "line_lock_in",
+           "Shapes, such as skull,brain, that hold a tool whose tip has entered them: it keeps its orientation and "
+           "moves along its own axis alone until it has left them.")
+        .not_always();
   }
 };
 

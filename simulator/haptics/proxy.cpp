@@ -34,6 +34,7 @@ Proxy::Proxy(const touch::FeltSpace& space, const Feels& feels, const ForceParam
     : force_(force),
       ground_(space, feels),
       body_(proxy_body(ground_, tool)),
+      line_(space.line_lock()),
       shaft_(shaft.shaft_length_mm > 0 ? shaft.shaft_length_mm : tool.length_mm),
       slew_(force) {
   for (const ShapeFeel& f : feels)
@@ -52,6 +53,8 @@ void Proxy::reset() {
   ground_.surfaces.clear();
   ease_.reset();
   slew_.reset();
+  line_.reset();
+  off_line_mm_ = {};
   ground_.way_out = {};
 }
 
@@ -94,8 +97,15 @@ const HapticState& Proxy::update(const HapticInput& given) {
   note_motion(in);
   ground_.giving_way = in.giving_way;
   ground_.held_ratio = in.held_ratio;
-  body_->follow(in);
-  Vec3 force = force_of(in);
+  HapticInput led = in;  // by the hand, or along the line that holds it
+  if (line_.holds()) {
+    led.tip_mm = line_.nearest_to(in.tip_mm);
+    led.axis = line_.axis();
+  }
+  off_line_mm_ = led.tip_mm - in.tip_mm;
+  body_->follow(led);
+  Vec3 force = force_of(led);
+  note_line();
   const double size = norm(force);
   if (!(size <= force_.max_force_n)) {
     if (!std::isfinite(size)) {
@@ -138,7 +148,7 @@ Vec3 Proxy::force_of(const HapticInput& in) {
   const Vec3 held_mm = body_->held_mm(), wanted_mm = body_->wanted_mm(in);
   hold_corner(ground_.surfaces, norm(held_mm - wanted_mm), ground_.margin_mm);
   const double explained_n = 2 * stiffest_n_per_mm_ * moved_mm_;
-  Vec3 force = surface_force(held_mm, wanted_mm);
+  Vec3 force = surface_force(held_mm, wanted_mm) + line_force();
   force = ease_.ease(force + inside_force(in), explained_n, in.dt_s, force_.release_s) + in.extra_n;
   if (since_s_ < force_.ramp_s) force = force * (since_s_ / force_.ramp_s);
   if (in.breached) state.events |= haptic_event::breach;
@@ -165,6 +175,23 @@ Vec3 Proxy::inside_force(const HapticInput& in) {
          shaft_.force_n(ground_.contact.contact(), ground_.feels, state.proxy_mm, state.axis, velocity_, in.dt_s);
 }
 
+void Proxy::note_line() {
+  using Change = touch::EnteredLine::Change;
+  HapticState& state = ground_.state;
+  const Change change = line_.look(state.inside, state.proxy_mm, state.axis);
+  if (change == Change::began) state.events |= haptic_event::locked;
+  if (change == Change::ended) state.events |= haptic_event::unlocked;
+}
+
+// Of the wall of the hole by which the tool came in, across its axis.
+Vec3 Proxy::line_force() const {
+  if (!line_.holds()) return {};
+  const cases::CaseFace& wall = ground_.feels[std::size_t(line_.shape())].front;
+  const Vec3 across = velocity_ - line_.axis() * dot(velocity_, line_.axis());
+  return off_line_mm_ * (wall.touchable ? wall.stiffness_n_per_mm : stiffest_n_per_mm_) -
+         across * (wall.touchable ? wall.damping_n_s_per_mm : 0);
+}
+
 // The torque of the surfaces' forces and of a spring from the device's orientation to the shown one. It is ramped up at
 // the start as the force is.
 void Proxy::set_torque(const HapticInput& in, Vec3 before) {
@@ -173,6 +200,9 @@ void Proxy::set_torque(const HapticInput& in, Vec3 before) {
   Vec3 torque = pressed_n_mm_;
   if (const std::optional<Vec3> turn = body_->kept_from_turning(in))
     torque += *turn * force_.turn_stiffness_n_mm_per_rad;
+  else if (line_.holds() && in.axis != Vec3{})
+    torque += rotation_between(frame_along(in.axis), turned(frame_along(in.axis), line_.axis())) *
+              force_.turn_stiffness_n_mm_per_rad;
   if (torque == Vec3{} && before == Vec3{}) {  // of a point, and in air
     state.torque_n_mm = torque;
     return;

@@ -9,6 +9,7 @@
 #include "haptics/shaft_friction.h"
 #include "haptics/tool.h"
 #include "haptics/tool_body.h"
+#include "touch/entered_line.h"
 
 namespace trephine::haptics {
 
@@ -26,6 +27,10 @@ namespace trephine::haptics {
 /// point crosses a touchable face, and a surface that any point meets is a plane for the tip. The tool turns with the
 /// device as far as its points may, and where only one wall is in the way the tip gives way. A shape that one point
 /// popped into is open to the other points until the tool's axis no longer passes through it.
+///
+/// A tip that has entered a shape of FeltSpace::line_lock holds the tool on its line (touch/entered_line.h): the hand
+/// is felt as if it were on that line, and the wall of the hole, as stiff and damped as the shape's front, presses it
+/// back.
 ///
 /// The force changes by at most max_force_rate_n_per_s times the loop's period a frame, however long the frame was.
 /// After a stall it starts from what the device still holds (ForceHold).
@@ -72,6 +77,8 @@ class Proxy {
   Vec3 inside_force(const HapticInput& in);
   void set_torque(const HapticInput& in, Vec3 before);
   void note_events(const HapticState& before);
+  void note_line();
+  Vec3 line_force() const;
 
   ForceParams force_;
   ProxyGround ground_;
@@ -81,6 +88,8 @@ class Proxy {
   double since_s_ = 0, moved_mm_ = 0;  // since it began; of the device in this frame
   Vec3 device_mm_, velocity_, moved_from_mm_;
   Vec3 pressed_n_mm_;  // torque of the surfaces of this frame
+  Vec3 off_line_mm_;   // from the hand to the line that holds the tool
+  touch::EnteredLine line_;
   ShaftFriction shaft_;
   ForceEase ease_;
   ForceSlew slew_;

@@ -68,19 +68,12 @@ void ProxyShell::follow(const HapticInput& in) {
   lock_.begin_frame();
   const Vec3 axis = in.axis == Vec3{} ? body_.frame().column[2] : in.axis;
   open_behind();
-  unlock(normalized(axis), in.tip_mm);
-  const bool on_line = lock_.holds_line(state_, body_.tip_mm(), body_.frame().column[2], in.tip_mm);
-  if (on_line)
-    move_on_line(in.tip_mm);
-  else
-    move_to(in, axis);
+  unlock(normalized(axis));
+  move_to(in, axis);
   if (drawn_.draws_out()) slide_out(in.tip_mm);
   show();
   drawn_.note(in.tip_mm - body_.tip_mm(), state_.axis);
-  if (on_line)
-    hold_on_line(in.tip_mm);
-  else if (surfaces_.count() == 0)
-    ground_.friction.rest();
+  if (surfaces_.count() == 0) ground_.friction.rest();
 }
 
 void ProxyShell::move_to(const HapticInput& in, Vec3 axis) {
@@ -263,36 +256,11 @@ void ProxyShell::open_behind() {
   crossed_ = {0, 0};
 }
 
-void ProxyShell::unlock(Vec3 axis, Vec3 device) {
+void ProxyShell::unlock(Vec3 axis) {
   lock_.end(state_, axis, drawn_.draws_out(), [&] {
     ToolBody& b = body_;
-    if (!b.sweep(b.tip_mm(), turned(b.frame(), axis, max_turn_rad), closed_faces()).hit) return false;
-    return !lock_.is_line() || b.sweep(device, b.frame(), closed_faces()).hit;
+    return b.sweep(b.tip_mm(), turned(b.frame(), axis, max_turn_rad), closed_faces()).hit;
   });
-}
-
-// A tool whose lock is a line keeps its orientation, and its tip moves along its own axis alone, without friction.
-void ProxyShell::move_on_line(Vec3 device) {
-  ToolBody& b = body_;
-  const Vec3 axis = b.frame().column[2];
-  const double left = dot(device - b.tip_mm(), axis);
-  const ToolBody::Meeting m = b.sweep(b.tip_mm() + axis * left, b.frame(), closed_faces());
-  if (!m.hit) {
-    b.arrive();
-    return;
-  }
-  const contact::Contact met = b.met(m.nearest);
-  const cases::CaseFace& feel = ground_.held(met).feel;
-  approach(m);
-  const double pressed = std::abs(dot(device - b.tip_mm(), axis));
-  if (feel.pop_through_n > 0 && feel.stiffness_n_per_mm * pressed > feel.pop_through_n) pop_into(met);
-}
-
-// The spring to the device holds the hand on that line.
-void ProxyShell::hold_on_line(Vec3 device) {
-  const Vec3 back = body_.tip_mm() - device;
-  if (!(norm(back) > 4 * ground_.margin_mm)) return;
-  surfaces_.set(0, {body_.tip_mm(), normalized(back)}, lock_.wall());
 }
 
 // Moves the tool along its own axis as far as the device is drawn, without friction: a straight shaft is always free to

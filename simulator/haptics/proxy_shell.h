@@ -33,9 +33,7 @@ class ProxyShell : public ProxyBody {
   void hold_turn(Vec3 device_mm, Vec3& goal_mm, Mat3& aim);
   void open_behind();
   contact::TouchableFaces closed_faces() const { return open_.closed(ground_.faces); }
-  void unlock(Vec3 axis, Vec3 device_mm);
-  void move_on_line(Vec3 device_mm);
-  void hold_on_line(Vec3 device_mm);
+  void unlock(Vec3 axis);
   void slide_out(Vec3 device_mm);
   void work_loose();
   void show();

@@ -124,7 +124,6 @@ Tool make_tool(const ToolParams& params) {
   Tool tool;
   tool.search = p.tool_search;
   tool.lock_distance_mm = p.lock_distance_mm;
-  tool.lock = p.lock;
   if (tool_kind(p.tool).from_file) {
     tool.points_mm = points_of(p);
     tool.length_mm = std::max(0.0, tool.points_mm.back().z);

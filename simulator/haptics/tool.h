@@ -23,11 +23,8 @@ struct ToolParams {
   std::string tool = "point";  ///< the name of a ToolKind
   Tip tool_tip = Tip::own;
   double tool_diameter_mm = 0, tool_length_mm = 0, tool_spacing_mm = 0;
-  /// What a lock holds: how the tool is turned; or that, and its tip on the tool's own axis.
-  enum class Lock { turn, line };
   Search tool_search = Search::both;
   double lock_distance_mm = 3;
-  Lock lock = Lock::turn;
   std::string tool_points, tool_points_sha256;
   template <class V>
   static void describe(V& v) {
@@ -48,8 +45,6 @@ struct ToolParams {
              "averaged, and the tool may lock.");
     v.number(&P::lock_distance_mm, "lock_distance_mm", Range{0, 400},
              "A tool that is turned while points further apart than this collide is locked; 0: never.");
-    v.choice(&P::lock, "lock", {{"turn", Lock::turn}, {"line", Lock::line}},
-             "What a lock holds. turn: the tool keeps its orientation. line: it also moves along its own axis alone.");
     v.text(&P::tool_points, "tool_points",
            "File with the points of --tool points: x y z in mm on each line, the tip at 0, the tail towards +z.")
         .not_always()
@@ -130,7 +125,6 @@ struct Tool {
   std::vector<RoundPart> round;  ///< not empty: exactly round, without points; the first part has the tip
   ToolParams::Search search = ToolParams::Search::both;
   double lock_distance_mm = 3;
-  ToolParams::Lock lock = ToolParams::Lock::turn;
 };
 constexpr int max_tool_points = 2048;
 

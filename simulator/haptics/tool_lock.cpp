@@ -2,18 +2,11 @@
 #include "haptics/tool_lock.h"
 
 namespace trephine::haptics {
-namespace {
-
-constexpr double line_holds_mm = 6;  // across the tool
-
-}  // namespace
-
 // The normal of the wall into which the tool is turned is kept, not always that of the point h in Table V: between
 // opposite walls the tool may turn away from the wall of h.
 bool ToolLock::begin(ProxyGround& ground, const ToolBody& b, const ToolBody::Meeting& m, Vec3 turn, bool may_begin) {
   const auto collided = [&](int point) {
-    return Collided{point, b.met(point).point_mm, ground.contact.normal_of(b.met(point), b.way(point)),
-                    ground.held(b.met(point))};
+    return Collided{point, b.met(point).point_mm, ground.contact.normal_of(b.met(point), b.way(point))};
   };
   if (!may_ || ground.state.locked) {
     any_collided_ = true;
@@ -33,12 +26,7 @@ bool ToolLock::begin(ProxyGround& ground, const ToolBody& b, const ToolBody::Mee
   normal_ = into->normal;
   dot_ = dot(normal_, b.frame().column[2]);
   locked_for_ = 0;
-  wall_ = into->held;
   return true;
-}
-
-bool ToolLock::holds_line(const HapticState& state, Vec3 tip, Vec3 axis, Vec3 device) const {
-  return state.locked && line_ && norm(cross(device - tip, axis)) <= line_holds_mm;
 }
 
 }  // namespace trephine::haptics

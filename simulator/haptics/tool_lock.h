@@ -5,12 +5,11 @@
 namespace trephine::haptics {
 
 /// The lock of the orientation of a tool of many points [Rizzi, chapter 5, Tables V and VI]; it holds while
-/// HapticState::locked. A lock that is a line also holds the tip on the tool's own axis.
+/// HapticState::locked.
 class ToolLock {
  public:
   explicit ToolLock(const Tool& tool)
       : may_(tool.search == ToolParams::Search::both && tool.lock_distance_mm > 0),
-        line_(tool.lock == ToolParams::Lock::line),
         distance_mm_(tool.lock_distance_mm) {}
   void begin_frame() { any_collided_ = false; }
   /// Notes what collided, and begins the lock where the first points that collide from either end are further apart
@@ -18,7 +17,7 @@ class ToolLock {
   /// nothing forbids it.
   bool begin(ProxyGround& ground, const ToolBody& body, const ToolBody::Meeting& m, Vec3 turn, bool may_begin);
   /// Ends the lock where the device turns away from its wall, or `out`. From time to time it also asks whether the turn
-  /// is `barred()`, and of a line the way to the hand, and ends the lock where they are free.
+  /// is `barred()`, and ends the lock where it is free.
   template <class Barred>
   void end(HapticState& state, Vec3 device_axis, bool out, const Barred& barred) {
     if (!state.locked) return;
@@ -27,23 +26,17 @@ class ToolLock {
     state.locked = false;
     state.events |= haptic_event::unlocked;
   }
-  bool is_line() const { return line_; }
-  /// Whether the tip is held on the tool's axis: a hand that is pulled far aside is not.
-  bool holds_line(const HapticState& state, Vec3 tip_mm, Vec3 axis, Vec3 device_mm) const;
-  const HeldSurface& wall() const { return wall_; }
 
  private:
   static constexpr int frames_between_looks = 8;
   struct Collided {  // in this frame
     int point;
     Vec3 at_mm, normal;
-    HeldSurface held;
   };
-  bool may_, line_;
+  bool may_;
   double distance_mm_;
   Vec3 normal_;
   double dot_ = 0;
-  HeldSurface wall_;
   int locked_for_ = 0;  // frames
   Collided from_tip_, from_tail_;
   bool any_collided_ = false;

@@ -95,7 +95,7 @@ LessonResult run_lesson(session::FeltCase& felt, const LessonOptions& o, const s
   header.asked = as_asked(questions);
   contact::ContactVolume contact(felt.loaded.haptic, o.contact);
   const std::unique_ptr<haptics::Drilling> drilling = felt.drilling_of(header, contact);
-  haptics::ToolBelt belt({contact, felt.beside()}, felt.feels, o.force, o.shaft, header.tools, drilling.get());
+  haptics::ToolBelt belt({contact, felt.beside(o.shaft)}, felt.feels, o.force, o.shaft, header.tools, drilling.get());
   ScriptedHand hand(o.hand, module.plan(o.script,
                                         {manifest, contact, header.tools, haptics::drilled_shapes(manifest.haptic),
                                          std::move(questions)},

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "cases/load_hashed.h"
 #include "haptics/delayed_walls.h"
 
@@ -55,6 +56,23 @@ void FeltCase::feel_beside() {
   if (touch::StiffnessRamps all(m.haptic); all.any()) ramps = std::make_shared<touch::StiffnessRamps>(std::move(all));
 }
 
+touch::Beside FeltCase::beside(const haptics::ShaftParams& shaft) const {
+  touch::Beside all{meshes.get(), ramps.get()};
+  if (shaft.line_lock_in.empty()) return all;
+  for (const std::string& name : split_at(shaft.line_lock_in, ',')) {
+    const std::uint64_t before = all.line_lock;
+    std::string names;
+    for (const cases::CaseShape& s : loaded.manifest.haptic.shapes) {
+      if (s.name == name) all.line_lock |= std::uint64_t{1} << s.number;
+      names += (names.empty() ? "" : ", ") + s.name;
+    }
+    if (all.line_lock == before)
+      throw Error(ExitCode::usage, "", "--line-lock-in",
+                  name + ": is none of the case's shapes (" + names + "), or comes twice");
+  }
+  return all;
+}
+
 std::unique_ptr<haptics::Drilling> FeltCase::drilling_of(const haptics::RecordingHeader& header,
                                                          contact::ContactVolume& contact, drill::DirtyBricks* marks) {
   if (!header.drilling.drill) return nullptr;
@@ -98,7 +116,7 @@ Rerun::Rerun(FeltCase& felt, contact::ContactVolume& contact, const std::string&
       port_(h.port, h.force, haptics::free_behind(felt.feels, h.free, h.port, h.rate_hz)),
       drilling_(felt.drilling_of(h, contact, marks)) {
   const haptics::Feels feels = haptics::feels_behind(felt.feels, h.free, h.port, h.rate_hz);
-  const touch::FeltSpace space(contact, felt.beside());
+  const touch::FeltSpace space(contact, felt.beside(h.shaft));
   if (h.tools.empty())
     proxy_ = std::make_unique<haptics::Proxy>(space, feels, h.force, h.shaft, tool_again(file, h.tool));
   else

@@ -25,8 +25,9 @@ struct FeltCase {
   /// Throws as load_case does; 65 where the case has no haptic volume; 64 for --shape where it has no such shape. If a
   /// shape is given, of the volume or a surface that is touched as a mesh, no other can be touched.
   FeltCase(const std::filesystem::path& folder, const std::string& shape, cases::LoadParts parts = {});
-  /// What is felt beside the volume; this must outlive it.
-  touch::Beside beside() const { return {meshes.get(), ramps.get()}; }
+  /// What is felt beside the volume; this must outlive it. Throws Error 64 where the case has no shape that the shaft
+  /// is to be held in.
+  touch::Beside beside(const haptics::ShaftParams& shaft) const;
   /// The drill of the recording's tool; null where that tool cuts nothing. Throws as Drilling and cutter_of do.
   std::unique_ptr<haptics::Drilling> drilling_of(const haptics::RecordingHeader& header,
                                                  contact::ContactVolume& contact, drill::DirtyBricks* marks = nullptr);

@@ -111,7 +111,7 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
          {fmt::format("{:.2g}", ratio), fmt::format("{:g}", port.device_delay_ms),
           fmt::format("{:g}", 1e3 * port.device_own_damping_n_s_per_mm)}});
   if (port.device_delay_ms > 0 && !port.bounds_walls()) say(texts::NoteId::undamped_device);
-  const touch::FeltSpace space(patient_->contact, patient_->felt.beside());
+  const touch::FeltSpace space(patient_->contact, patient_->felt.beside(options.shaft));
   if (drilling_ && patient_->felt.meshes)
     for (const auto& [number, name] : patient_->felt.shapes)
       if (touch::is_mesh(number)) say({texts::NoteId::mesh_not_cut, {name}});

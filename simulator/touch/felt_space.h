@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstdint>
+
 #include "contact/contact.h"
 #include "touch/mesh_surfaces.h"
 #include "touch/stiffness_ramp.h"
@@ -10,6 +12,8 @@ namespace trephine::touch {
 struct Beside {
   const MeshSurfaces* meshes = nullptr;
   const StiffnessRamps* ramps = nullptr;
+  std::uint64_t line_lock =
+      0;  ///< shapes that hold a tool on the line by which it entered (EnteredLine), bit n: shape n
 };
 
 /// A haptic volume, and surfaces beside it, as one: of a way, the first contact with either counts. Where nothing is
@@ -27,6 +31,7 @@ class FeltSpace {
   double smallest_side_mm() const { return volume_.smallest_side_mm(); }
   int shape_at(Vec3 place_mm) const { return volume_.shape_at(place_mm); }
   const MeshSurfaces* meshes() const { return beside_.meshes; }
+  std::uint64_t line_lock() const { return beside_.line_lock; }
 
   contact::Contact intersect(Vec3 start_mm, Vec3 end_mm, int start_shape, const contact::TouchableFaces& faces) const {
     const contact::Contact felt = volume_.intersect(start_mm, end_mm, start_shape, faces);
