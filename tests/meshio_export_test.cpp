@@ -13,6 +13,7 @@
 #include <cerrno>
 #include <clocale>
 #include <filesystem>
+#include <sstream>
 
 #include "base/pi.h"
 #include "base/write_file.h"
@@ -226,6 +227,39 @@ void expect_same(vtkPolyData* data, const surface::TriMesh& mesh) {
     EXPECT_NEAR(got[2 * c], b.min_mm[c], 1e-4);
     EXPECT_NEAR(got[2 * c + 1], b.max_mm[c], 1e-4);
   }
+}
+
+// A scene of VRML or X3D is lit by what stands in it, and texture coordinates place a picture.
+TEST(Export, VrmlAndX3dHoldLightsAndThePictureOfTheirTexture) {
+  const auto count = [](const std::string& text, const std::string& word) {
+    int n = 0;
+    for (std::size_t at = 0; (at = text.find(word, at)) != std::string::npos; at += word.size()) ++n;
+    return n;
+  };
+  for (const char* format : {"wrl", "x3d"})
+    for (const bool texture : {false, true}) {
+      SCOPED_TRACE(std::string(format) + (texture ? " with a texture" : ""));
+      const surface::TriMesh mesh = bumpy_ball(24, 13, far_off, 80, texture);
+      const std::string text = encode(format, skull_of(mesh, texture)).back().bytes;
+      EXPECT_EQ(count(text, "DirectionalLight"), 2);
+      EXPECT_EQ(count(text, "NavigationInfo"), 1);
+      EXPECT_EQ(count(text, "TextureCoordinate"), texture);
+      EXPECT_EQ(count(text, "PixelTexture"), texture);
+      EXPECT_EQ(count(text, "TextureTransform"), texture);
+      const std::size_t at = text.find("32 32 1");
+      ASSERT_EQ(at != std::string::npos, texture);
+      if (!texture) continue;
+      std::istringstream image(text.substr(at + 7));
+      int pixels = 0, least = 255, most = 0;
+      for (std::string word; image >> word && word.rfind("0x", 0) == 0; ++pixels) {
+        const int grey = std::stoi(word.substr(2, 2), nullptr, 16);
+        least = std::min(least, grey);
+        most = std::max(most, grey);
+      }
+      EXPECT_EQ(pixels, 32 * 32);
+      EXPECT_GE(least, 200) << "it dims the colour a little";
+      EXPECT_GT(most - least, 40) << "and is seen";
+    }
 }
 
 TEST(Export, VtkReadsStl) {

@@ -31,6 +31,22 @@ std::string rgb_text(const std::array<double, 3>& rgb) {
 
 void append_texture_point(std::string& out, const TexturePoint& p) { append_uv(out, p.u, p.v); }
 
+std::string grain_image() {
+  constexpr int side = 32;
+  constexpr unsigned darkest = 200;
+  std::string out = std::to_string(side) + " " + std::to_string(side) + " 1";
+  std::uint32_t state = 1;  // any numbers do, and the same ones in each file
+  for (int n = 0; n < side * side; ++n) {
+    state = state * 1664525u + 1013904223u;
+    const unsigned grey = darkest + (state >> 24) % (256 - darkest);
+    constexpr char digits[] = "0123456789ABCDEF";
+    out += n % side == 0 ? "\n0x" : " 0x";
+    out += digits[grey >> 4];
+    out += digits[grey & 15];
+  }
+  return out;
+}
+
 std::string def_name(const std::string& name) {
   std::string out = name;
   for (char& c : out)

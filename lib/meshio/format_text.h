@@ -24,6 +24,19 @@ void append_uv(std::string& out, const Uv& u, const Uv& v) {
 }
 void append_texture_point(std::string& out, const TexturePoint& p);
 
+/// The lights of a file that holds its own: from the patient's front, above and left, and a weaker one from behind and
+/// the right, so that no side is black. A viewer's headlight is switched off beside them.
+struct FileLight {
+  double direction[3];  ///< in which it shines, LPS
+  double intensity, ambient_intensity;
+};
+constexpr FileLight file_lights[] = {{{-0.4, 0.6, -0.7}, 0.8, 0.3}, {{0.5, -0.7, 0.3}, 0.4, 0}};
+/// The picture that texture coordinates place on a surface: a fine grain in grey, which dims the surface's colour a
+/// little. It is a square whose sides meet where it is repeated; `grain_repeats` times around and from pole to pole.
+/// As the field `image` of a PixelTexture has it: "32 32 1 0xE6 ...".
+std::string grain_image();
+constexpr double grain_repeats[] = {16, 8};
+
 /// A name that VRML and X3D allow for DEF.
 std::string def_name(const std::string& name);
 

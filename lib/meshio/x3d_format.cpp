@@ -4,16 +4,26 @@
 namespace trephine::meshio {
 namespace {
 
+std::string texture_of() {
+  return "\n<PixelTexture image=\"" + grain_image() + "\"/>\n<TextureTransform scale=\"" +
+         short_text(grain_repeats[0]) + " " + short_text(grain_repeats[1]) + "\"/>";
+}
+
 std::string encode_x3d(const std::vector<PreparedSurface>& all) {
   std::string out =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!-- trephine SPACE=LPS UNIT=mm -->\n"
       "<X3D profile=\"Interchange\" version=\"3.3\">\n<head>\n<unit category=\"length\" name=\"millimetre\" "
       "conversionFactor=\"0.001\"/>\n<meta name=\"SPACE\" content=\"LPS\"/>\n<meta name=\"UNIT\" content=\"mm\"/>\n"
-      "</head>\n<Scene>\n";
+      "</head>\n<Scene>\n<NavigationInfo headlight=\"false\"/>\n";
+  for (const FileLight& l : file_lights)
+    out += "<DirectionalLight direction=\"" + rgb_text({l.direction[0], l.direction[1], l.direction[2]}) +
+           "\" intensity=\"" + short_text(l.intensity) + "\" ambientIntensity=\"" + short_text(l.ambient_intensity) +
+           "\"/>\n";
   for (const PreparedSurface& s : all) {
     out += "<Transform DEF=\"" + def_name(s.source->name) + "\">\n<Shape>\n<Appearance><Material diffuseColor=\"" +
-           rgb_text(s.source->colour_rgb) + "\" transparency=\"" + short_text(1 - s.source->opacity) +
-           "\"/></Appearance>\n<IndexedFaceSet solid=\"true\" ccw=\"true\" normalPerVertex=\"true\" coordIndex=\"";
+           rgb_text(s.source->colour_rgb) + "\" transparency=\"" + short_text(1 - s.source->opacity) + "\"/>" +
+           (s.textured() ? texture_of() : "") +
+           "</Appearance>\n<IndexedFaceSet solid=\"true\" ccw=\"true\" normalPerVertex=\"true\" coordIndex=\"";
     append_faces(out, s.mesh().triangles, "\n");
     if (s.textured()) {
       out += "\" texCoordIndex=\"";
