@@ -252,7 +252,7 @@ TEST(LessonsAdvice, APatientWhoLiesTurnedIsToldHisOwnDirections) {
               "Enter 6 mm more cranially: your line passed 6 mm caudal of the ideal entry.");
     const lessons::NeedleErrors e = lessons::needle_errors(p, p.target_mm, -p.forwards());
     lessons::LessonScore s = lost;
-    s.advice = lessons::screw_advice(s, e, turned({0, 0, 5}), p.on_left() ? 12 : -12, 0);
+    s.advice = lessons::five_errors_advice(s, e, turned({0, 0, 5}), p.on_left() ? 12 : -12, 0, true);
     EXPECT_TRUE(has(told(s, "entry"), "5 mm more caudally")) << told(s, "entry");
     EXPECT_TRUE(has(told(s, "axial"), "12 degrees more medially")) << told(s, "axial");
   }
@@ -264,8 +264,7 @@ TEST(LessonsAdvice, AScrewIsToldItsTwoPlanes) {
       SpineAim aim{0, 0, aside, up, -2, "screw_5.5x45", 5.5, 45};
       lessons::SpineNeedleFacts f = spine_facts(task);
       pass_along(task, aim, f);
-      return lessons::score_pedicle_screw(f, phantom_spine().felt().loaded.manifest, phantom_spine().whole(),
-                                          shipped_screw());
+      return score_screw(f, phantom_spine().felt().loaded.manifest, phantom_spine().whole());
     };
     EXPECT_TRUE(has(told(score(12, 0), "axial"), "more medially")) << told(score(12, 0), "axial");
     EXPECT_TRUE(has(told(score(-12, 0), "axial"), "more laterally"));
@@ -358,8 +357,7 @@ TEST(LessonsAdvice, WhatALessonSaysOfItselfIsGermanToo) {
   const cases::CaseManifest& spine = phantom_spine().felt().loaded.manifest;
   lessons::SpineNeedleFacts needle = spine_facts("pedicle_2_left");
   german("spine_needle", needle, lessons::score_spine_needle(needle, spine, phantom_spine().whole(), shipped()));
-  german("pedicle_screw", needle,
-         lessons::score_pedicle_screw(needle, spine, phantom_spine().whole(), shipped_screw()));
+  german("pedicle_screw", needle, score_screw(needle, spine, phantom_spine().whole()));
   pass_along("pedicle_2_left", {}, needle);
   german("spine_needle", needle, lessons::score_spine_needle(needle, spine, phantom_spine().whole(), shipped()));
 }

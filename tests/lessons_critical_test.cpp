@@ -156,7 +156,7 @@ TEST(LessonsCritical, DoingNothingScoresOneInEveryRow) {
 TEST(LessonsCritical, NearlyNothingScoresOneInEveryRow) {
   lessons_chest::Chest chest(false);
   Head whole(Kind::whole);
-  for (const char* lesson : {"spine_needle", "pedicle_screw"}) {
+  for (const char* lesson : {"spine_needle", "pedicle_finder", "pedicle_screw"}) {
     const auto looked = spine().run(R"({"shoot": {"seconds": 1}}, "finish")", lesson);
     EXPECT_EQ(looked.facts.shots.size(), 1u);
     expect_nothing(looked);

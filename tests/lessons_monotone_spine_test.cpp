@@ -120,7 +120,7 @@ void check_needle(const std::string& task) {
 
 void check_screw(const std::string& task) {
   const SpineScore score = [](const lessons::SpineNeedleFacts& f) {
-    return lessons::score_pedicle_screw(f, *spine_in_use().manifest, *spine_in_use().volume, shipped_screw());
+    return score_screw(f, *spine_in_use().manifest, *spine_in_use().volume);
   };
   SpineAim perfect;
   perfect.tool = "screw_5.5x45";

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 // Needles and screws in the spine of lessons_spine.h, done through the servo and scored.
-#include "lessons/pedicle_screw/pedicle_screw_score.h"
+#include "lessons/pedicle_finder/pedicle_finder_rubric.h"
+#include "lessons/pedicle_screw/pedicle_screw_rubric.h"
+#include "lessons/spine/five_errors_score.h"
 #include "lessons/spine_needle/spine_needle_score.h"
 #include "lessons_run.h"
 #include "lessons_spine.h"
@@ -46,6 +48,22 @@ inline lessons::PedicleScrewRubric shipped_screw() {  // and of configs/rubrics/
   return r;
 }
 
+inline lessons::PedicleFinderRubric shipped_finder() {  // and of configs/rubrics/pedicle_finder.yaml
+  lessons::PedicleFinderRubric r;
+  static_cast<lessons::FiveErrorsRubric&>(r) = shipped_screw();
+  r.module = "pedicle_finder";
+  for (auto* of_screws : {&r.head_mm, &r.widest_ratio, &r.narrowest_ratio, &r.proud_mm, &r.finder_ratio})
+    of_screws->reset();
+  are(r.passes_count.emplace(), 1, 2, 3, 5), are(r.procedure_s.emplace(), 180, 300, 480, 720);
+  return r;
+}
+
+inline lessons::LessonScore score_screw(const lessons::SpineNeedleFacts& facts, const cases::CaseManifest& manifest,
+                                        const voxel::HapticVolume& before,
+                                        const lessons::PedicleScrewRubric& rubric = shipped_screw()) {
+  return lessons::score_five_errors(facts, manifest, before, rubric, lessons::JudgedTool::screw);
+}
+
 class SpineCase : public LessonCase {
  public:
   explicit SpineCase(double confidence = 1) : LessonCase(spine_case(confidence)) {}
@@ -67,9 +85,12 @@ class SpineCase : public LessonCase {
   }
   void score(Done& d) {
     d.facts = facts_of<lessons::SpineNeedleFacts>(d.recording);
-    d.score = d.recording.header.lesson == "spine_needle"
-                  ? lessons::score_spine_needle(d.facts, felt().loaded.manifest, whole(), shipped())
-                  : lessons::score_pedicle_screw(d.facts, felt().loaded.manifest, whole(), shipped_screw());
+    const cases::CaseManifest& manifest = felt().loaded.manifest;
+    const std::string& lesson = d.recording.header.lesson;
+    d.score = lesson == "spine_needle"     ? lessons::score_spine_needle(d.facts, manifest, whole(), shipped())
+              : lesson == "pedicle_finder" ? lessons::score_five_errors(d.facts, manifest, whole(), shipped_finder(),
+                                                                        lessons::JudgedTool::finder)
+                                           : score_screw(d.facts, manifest, whole());
   }
 };
 

@@ -267,7 +267,7 @@ TEST(PedicleScrew, PassesXraysAndTimeCost) {
   const auto score = [&](const std::function<void(lessons::SpineNeedleFacts&)>& spoil) {
     lessons::SpineNeedleFacts f = perfect.facts;
     spoil(f);
-    return lessons::score_pedicle_screw(f, spine().felt().loaded.manifest, spine().whole(), shipped_screw());
+    return score_screw(f, spine().felt().loaded.manifest, spine().whole());
   };
   const auto points = [](const lessons::LessonScore& s, const char* row) { return s.row(row)->score.value_or(0); };
   for (const char* row : {"exposure", "passes", "time"}) {
@@ -294,11 +294,11 @@ TEST(PedicleScrew, PassesXraysAndTimeCost) {
   blind.ct.file.clear();
   lessons::SpineNeedleFacts f = perfect.facts;
   f.shots.clear();
-  EXPECT_FALSE(lessons::score_pedicle_screw(f, blind, spine().whole(), shipped_screw()).row("exposure")->score);
+  EXPECT_FALSE(score_screw(f, blind, spine().whole()).row("exposure")->score);
   // A rubric of before scores as it did.
   lessons::PedicleScrewRubric before = shipped_screw();
   before.exposure_s.reset(), before.passes_count.reset(), before.procedure_s.reset();
-  const auto old = lessons::score_pedicle_screw(perfect.facts, spine().felt().loaded.manifest, spine().whole(), before);
+  const auto old = score_screw(perfect.facts, spine().felt().loaded.manifest, spine().whole(), before);
   EXPECT_EQ(old.row("passes"), nullptr);
   EXPECT_EQ(lessons::sum_of(old).most, 35);
 }

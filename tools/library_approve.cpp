@@ -68,7 +68,7 @@ const cli::OwnCommand library_approve_command([] {
       "reasons are kept in approved.json.";
   c.examples = {
       "trephine library approve library/normal-1 --by reviewer-2 --difficulty-level 2 --accept "
-      "'pedicle_screw,spine_needle,subclavian=a head'",
+      "'pedicle_finder,pedicle_screw,spine_needle,subclavian=a head'",
       "trephine library approve library/normal-1 --by reviewer-2 --withdraw"};
   const cli::Argument folder = cli::positional_argument("case", Kind::in_folder, "The case's folder.");
   const cli::Argument by =

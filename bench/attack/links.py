@@ -29,7 +29,7 @@ def requests_of(desk, rnd):
     except ValueError:
         base = ""
     said = {"case": CASE, "by": "anna-2", "why": "w", "base": base}
-    accepted = {lesson: "x" for lesson in ("pedicle_screw", "spine_needle", "subclavian")}
+    accepted = {lesson: "x" for lesson in ("pedicle_finder", "pedicle_screw", "spine_needle", "subclavian")}
     posts = [("landmark", {**said, "name": "nasion", "position_mm": [1, 2, 3]}), ("value", {**said, "name": "skull.segment.lower_hu", "value": 230}),
              ("holes", {**said, "holes": []}), ("approve", {**said, "difficulty_level": 2, "accepted": accepted}),
              ("approve", {**said, "withdraw": True}), ("keep?C&what=view", None), ("keep?C&what=skull", None),

@@ -19,19 +19,19 @@ exercise=("$TREPHINE" exercise "$library" --participant r-01 --out "$work/result
 expect 66 'holds no approved case' "${exercise[@]}"
 # What the case cannot serve is accepted lesson by lesson, with a reason, which is kept.
 approve=("$OFFLINE" library approve "$library/head" --by prof-1 --difficulty-level 4)
-expect 80 '[-]-accept: the case cannot serve pedicle_screw,spine_needle,subclavian; where that is right, say why' "${approve[@]}"
-expect 80 '[-]-accept: the case cannot serve pedicle_screw,subclavian; ' "${approve[@]}" --accept 'spine_needle=a head'
+expect 80 '[-]-accept: the case cannot serve pedicle_finder,pedicle_screw,spine_needle,subclavian; where that is right, say why' "${approve[@]}"
+expect 80 '[-]-accept: the case cannot serve pedicle_finder,pedicle_screw,subclavian; ' "${approve[@]}" --accept 'spine_needle=a head'
 expect 64 '[-]-accept: subclavian: the reason is missing' "${approve[@]}" --accept 'spine_needle=a head' --accept 'subclavian= '
 expect 64 '[-]-accept: ventriculostomy: the case can serve' "${approve[@]}" --accept 'ventriculostomy=a head'
 expect 64 '[-]-accept: needle, there is no such lesson' "${approve[@]}" --accept 'needle=a head'
 expect 64 '[-]-accept: must be LESSON=REASON' "${approve[@]}" --accept needle
 [[ ! -e $library/head/approved.json ]] || fail "a refused approval was written"
-head=(--accept 'pedicle_screw,spine_needle=a head' --accept 'subclavian=no chest')
+head=(--accept 'pedicle_finder,pedicle_screw,spine_needle=a head' --accept 'subclavian=no chest')
 "${approve[@]}" "${head[@]}" >"$work/approved"
 python3 - "$library/head/approved.json" <<'PY'
 import json, sys
 accepted = {a["lesson"]: a["reason"] for a in json.load(open(sys.argv[1]))["accepted"]}
-assert accepted == {"pedicle_screw": "a head", "spine_needle": "a head", "subclavian": "no chest"}, accepted
+assert accepted == {"pedicle_finder": "a head", "pedicle_screw": "a head", "spine_needle": "a head", "subclavian": "no chest"}, accepted
 PY
 grep -qx 'ventriculostomy: serves: right, left' "$work/approved" &&
   grep -q '^spine_needle: cannot serve: landmarks: the lesson needs a pedicle' "$work/approved" || { cat "$work/approved"; fail "lessons that the case serves"; }

@@ -16,7 +16,7 @@ body = text[:text.rindex(',\n "checksum"')]
 open(path, "w").write(body + ',\n "checksum": "' + hashlib.sha256(body.encode()).hexdigest() + '"\n}\n')
 PY
   "$OFFLINE" library approve "$library/case-$n" --by prof-1 --difficulty-level "$n" \
-    --accept 'pedicle_screw,spine_needle,subclavian=a head' >/dev/null
+    --accept 'pedicle_finder,pedicle_screw,spine_needle,subclavian=a head' >/dev/null
 done
 "$OFFLINE" rubric "$SOURCE/configs/rubrics/ventriculostomy.yaml" --output "$work/rubric.json" >/dev/null
 cat >"$work/script.json" <<'JSON'

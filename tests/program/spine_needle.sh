@@ -69,13 +69,30 @@ grep -Eq '^spine_needle: serves: pedicle_1_left, .*; doubtful: pedicle_2_left \(
   ! grep -q 'serves: .*pedicle_2_left,.*; doubtful' "$work/text" || { cat "$work/text"; fail "a doubtful pedicle serves"; }
 # A curriculum needs no class of a spine, and does not speak of a head.
 "$OFFLINE" library approve "$library/spine" --by prof-1 --accept 'ventriculostomy,subclavian=a spine' >/dev/null
-"$OFFLINE" library approve "$library/head-drilled" --by prof-1 --accept 'pedicle_screw,spine_needle,subclavian=a head' >/dev/null
+"$OFFLINE" library approve "$library/head-drilled" --by prof-1 --accept 'pedicle_finder,pedicle_screw,spine_needle,subclavian=a head' >/dev/null
 "$TREPHINE" exercise "$library" --module spine_needle --participant r-01 --out "$work/results" \
   --script "$SOURCE/examples/lessons/spine_needle.json" --rubric "$rubric" >"$work/text"
 ! grep -q 'head-drilled' "$work/text" || { cat "$work/text"; fail "a head is named, or exercised"; }
 grep -qx 'a case beside is of other lessons' "$work/text" || { cat "$work/text"; fail "a head is not told of"; }
 grep -Eq '^1 +spine +- +3 +pedicle_2_left +- +35 of 35 points: 5 5 5 5 5 5 5, completed$' "$work/text" || { cat "$work/text"; fail "the exercise is not done"; }
 [[ $(wc -l <"$work/results/attempts-spine_needle.csv") == 2 ]] || fail "no attempt is logged"
+# The finder alone, as group B did, by its own rubric: the five errors of the screw that would follow.
+"$OFFLINE" rubric "$SOURCE/configs/rubrics/pedicle_finder.yaml" --output "$work/finder.json" >/dev/null
+"$TREPHINE" lesson "$library/spine" --script "$SOURCE/examples/lessons/pedicle_finder.json" --record "$work/finder.lesson" --participant b-01 >/dev/null
+"$TREPHINE" score "$work/finder.lesson" --case "$library/spine" --rubric "$work/finder.json" --page "$work/finder.html" --log "$work/finder.csv" >"$work/text"
+grep -q '^45 of 45 points (30 of 30 by the table), completed; finished, passes: 1, errors: 0, acceptable, grade A$' "$work/text" || { cat "$work/text"; fail "no perfect finder"; }
+python3 - "$work/finder.csv" <<'PY'
+import csv, sys
+row = next(csv.DictReader(open(sys.argv[1])))
+assert (row["module"], row["errors_count"], row["acceptable"], row["gertzbein_grade"]) == ("pedicle_finder", "0", "1", "0"), row
+assert not any(name.startswith("screw") for name in row), list(row)
+PY
+sed 's/"needle": {"pedicle": "pedicle_2_left", "short_of_mm": 25}/"needle": {"pedicle": "pedicle_2_left", "short_of_mm": 25, "entry_aside_mm": 5, "target_aside_mm": 5}/' \
+  "$SOURCE/examples/lessons/pedicle_finder.json" >"$work/aside.json"
+"$TREPHINE" lesson "$library/spine" --script "$work/aside.json" --record "$work/aside.lesson" >/dev/null
+"$TREPHINE" score "$work/aside.lesson" --case "$library/spine" --rubric "$work/finder.json" >"$work/text"
+grep -q 'errors: 0,' "$work/text" && { cat "$work/text"; fail "a finder 5 mm aside has no error"; }
+expect 65 'lesson: pedicle_finder, but the rubric is of spine_needle' "$TREPHINE" score "$work/finder.lesson" --case "$library/spine" --rubric "$rubric"
 # The open exercise, by its own rubric.
 "$OFFLINE" rubric "$SOURCE/configs/rubrics/pedicle_screw.yaml" --output "$work/screw.json" >/dev/null
 "$TREPHINE" lesson "$library/spine" --script "$SOURCE/examples/lessons/pedicle_screw.json" --record "$work/screw.lesson" >/dev/null

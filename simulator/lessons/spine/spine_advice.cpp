@@ -23,6 +23,10 @@ constexpr Wording axial_words{
     {"Seen from above, turn the screw {}.", "Drehen Sie die Schraube, von oben gesehen, {}."}};
 constexpr Wording sagittal_words{
     {"Seen from the side, turn the screw {}.", "Drehen Sie die Schraube, von der Seite gesehen, {}."}};
+constexpr Wording finder_axial_words{
+    {"Seen from above, turn the finder {}.", "Drehen Sie den Pfriem, von oben gesehen, {}."}};
+constexpr Wording finder_sagittal_words{
+    {"Seen from the side, turn the finder {}.", "Drehen Sie den Pfriem, von der Seite gesehen, {}."}};
 constexpr Wording farther_words{{"Go {:.0f} mm farther: the tip lay {:.0f} mm before the target.",
                                  "Gehen Sie {:.0f} mm weiter: die Spitze lag {:.0f} mm vor dem Ziel."}};
 constexpr Wording earlier_words{{"Stop {:.0f} mm earlier: the tip lay {:.0f} mm beyond the target.",
@@ -84,8 +88,8 @@ std::vector<Advice> pedicle_advice(const LessonScore& score, const NeedleErrors&
   return all;
 }
 
-std::vector<Advice> screw_advice(const LessonScore& score, const NeedleErrors& e, Vec3 entry_off_mm, double left_deg,
-                                 double up_deg) {
+std::vector<Advice> five_errors_advice(const LessonScore& score, const NeedleErrors& e, Vec3 entry_off_mm,
+                                       double left_deg, double up_deg, bool of_screw) {
   std::vector<Advice> all;
   const CasePedicle& p = *e.pedicle;
   const BodyAxes axes = axes_of(p);
@@ -94,8 +98,8 @@ std::vector<Advice> screw_advice(const LessonScore& score, const NeedleErrors& e
     const std::vector<NamedPart> lean = parts_of(axes, lean_deg);
     if (score.lost(row) && !lean.empty()) all.push_back(advice_of(row, opposite(lean), PartUnit::degrees, {}, words));
   };
-  turned("axial", p.left * left_deg, axial_words);
-  turned("sagittal", p.cranial * up_deg, sagittal_words);
+  turned("axial", p.left * left_deg, of_screw ? axial_words : finder_axial_words);
+  turned("sagittal", p.cranial * up_deg, of_screw ? sagittal_words : finder_sagittal_words);
   return all;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lessons/pedicle_screw/pedicle_screw_score.h"
+#include "lessons/spine/five_errors_score.h"
 
 #include <fmt/format.h>
 
@@ -16,6 +16,12 @@ namespace {
 constexpr double reach_mm = 20;    // farther before the target the tip lies in the pedicle alone
 constexpr double at_task_mm = 10;  // farther from its entry a screw is not in the pedicle that was asked for
 
+struct Words {
+  const char *nowhere, *it_is, *in_bone;  // why nothing is judged; how what is wrong with its place begins; a figure
+};
+constexpr Words screw_words{"no screw lies in bone", "the screw is ", "screw_in_bone"},
+    finder_words{"no finder lies in bone", "the finder is ", "finder_in_bone"};
+
 // From b to a as they are seen in the plane of two of the vertebra's axes; both go forwards: positive where a leans
 // more to `across`.
 double seen_deg(Vec3 a, Vec3 b, Vec3 across, Vec3 anterior) {
@@ -25,7 +31,7 @@ double seen_deg(Vec3 a, Vec3 b, Vec3 across, Vec3 anterior) {
 
 // Whether the screw is as long and as wide as the pedicle wants it: its head on the bone, its thread filling the
 // pedicle without bursting it. `none`: why it is at no pedicle, or why the pedicle is not known.
-ScoreRow size_row(const PedicleScrewRubric& r, const NeedlePass* pass, const NeedleErrors& e,
+ScoreRow size_row(const FiveErrorsRubric& r, const NeedlePass* pass, const NeedleErrors& e,
                   const voxel::HapticVolume& before, int bone, const texts::Phrase& none, bool judged) {
   ScoreRow row{"size", "Size of the screw", {}, none, {}, {}, {}};
   row.beside = true;
@@ -58,7 +64,7 @@ bool finder_led(const SpineNeedleFacts& facts, const NeedlePass& screw, double s
 }
 
 // What it cost: X-rays, passes, time, each where the rubric says limits. `nowhere`: why no screw lies where it should.
-void push_effort_rows(const SpineNeedleFacts& facts, const cases::CaseManifest& manifest, const PedicleScrewRubric& r,
+void push_effort_rows(const SpineNeedleFacts& facts, const cases::CaseManifest& manifest, const FiveErrorsRubric& r,
                       const NeedlePass* screw, const texts::Phrase& nowhere, LessonScore& score) {
   const auto push = [&](ScoreRow row) {
     row.beside = true;
@@ -74,7 +80,7 @@ void push_effort_rows(const SpineNeedleFacts& facts, const cases::CaseManifest& 
   }
   if (r.passes_count) {
     ScoreRow row = bone_passes_row(facts, *r.passes_count, "Passes through bone", r.insertion_mm_per_s, nowhere);
-    if (screw && r.finder_ratio && !finder_led(facts, *screw, r.finder_ratio->limit))
+    if (screw && is_screw(*screw) && r.finder_ratio && !finder_led(facts, *screw, r.finder_ratio->limit))
       lower(row, 1, "no finder went before the screw", screw->begin_s);
     push(row);
   }
@@ -85,18 +91,19 @@ void push_effort_rows(const SpineNeedleFacts& facts, const cases::CaseManifest& 
 
 bool is_screw(const NeedlePass& pass) { return pass.tool.rfind("screw", 0) == 0; }
 
-LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::CaseManifest& manifest,
-                                const voxel::HapticVolume& before, const PedicleScrewRubric& r) {
+LessonScore score_five_errors(const SpineNeedleFacts& facts, const cases::CaseManifest& manifest,
+                              const voxel::HapticVolume& before, const FiveErrorsRubric& r, JudgedTool tool) {
   const std::vector<CasePedicle> pedicles = pedicles_of(manifest);
   const int bone = spine_bone_of(manifest);
   const NeedlePass* pass = facts.final_pass();
-  if (pass && !is_screw(*pass)) pass = nullptr;
+  const Words& say = tool == JudgedTool::screw ? screw_words : finder_words;
+  if (pass && is_screw(*pass) != (tool == JudgedTool::screw)) pass = nullptr;
   NeedleErrors e;
   PedicleBreach breach;
   Vec3 entry_off;
   double entry = 0, axial = 0, sagittal = 0;
   texts::Phrase doubt;
-  std::string none = pass ? "" : "no screw lies in bone";
+  std::string none = pass ? "" : say.nowhere;
   if (pass) {
     const NeedlePoint& end = pass->path.back();
     e = errors_at(pedicles, facts.task, end.tip_mm, end.axis);
@@ -129,13 +136,13 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
                                     ? "the tip does not reach the vertebra's body"
                                     : "";
   const double depth_mm = pass ? e.depth_mm + norm(e.pedicle->target_mm - e.pedicle->entry_mm) : 0;
-  const bool proud =
-      pass && none.empty() && doubt.empty() && r.proud_mm && pass->length_mm - depth_mm > r.proud_mm->limit;
+  const bool proud = tool == JudgedTool::screw && pass && none.empty() && doubt.empty() && r.proud_mm &&
+                     pass->length_mm - depth_mm > r.proud_mm->limit;
   // What our rows beside the five errors are judged by: who stops short of the body has placed no screw.
-  const std::string nowhere = !pass ? "no screw lies in bone" : !none.empty() ? none : too_short;
+  const std::string nowhere = !pass ? say.nowhere : !none.empty() ? none : too_short;
   score.unreached = facts.end != LessonEnd::finished ? name_of(facts.end)
-                    : !pass                          ? "no screw lies in bone"
-                    : !none.empty()                  ? "the screw is " + none
+                    : !pass                          ? say.nowhere
+                    : !none.empty()                  ? say.it_is + none
                     : *too_short                     ? too_short
                     : proud                          ? "the screw's head stands far out of the bone"
                     : r.passes_count && entries_count(facts) > r.passes_count->two.limit ? "too many passes"
@@ -189,11 +196,11 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
     if (pass) last.decided_s = pass->end_s;
   }
   score.rows.push_back(last);
-  if (r.head_mm && r.widest_ratio && r.narrowest_ratio)
+  if (tool == JudgedTool::screw && r.head_mm && r.widest_ratio && r.narrowest_ratio)
     score.rows.push_back(size_row(r, pass, e, before, bone, !doubt.empty() ? doubt : nowhere, doubt.empty()));
   push_effort_rows(facts, manifest, r, pass, unsaved_by(nowhere, !score.critical.empty()), score);
   if (pass && doubt.empty() && none.empty()) {  // elsewhere the failure says it all
-    score.advice = screw_advice(score, e, entry_off, axial, sagittal);
+    score.advice = five_errors_advice(score, e, entry_off, axial, sagittal, tool == JudgedTool::screw);
     if (score.lost("length")) score.advice.push_back(depth_advice("length", far));
     if (score.lost("breach") && breach.depth_mm > 0) score.advice.push_back(breach_advice(breach));
   }
@@ -201,11 +208,13 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
   const Value unknown = std::monostate();
   score.figures = {{"errors_count", judged ? Value(errors) : unknown},
                    {"acceptable", judged ? Value(acceptable) : unknown},
-                   {"screw_in_bone", pass != nullptr},
-                   {"screw_length_mm", pass ? Value(pass->length_mm) : unknown},
-                   {"screw_diameter_mm", pass ? Value(pass->diameter_mm) : unknown},
-                   {"passes_count", int(facts.passes.size())},
-                   {"shots_count", int(facts.shots.size())}};
+                   {say.in_bone, pass != nullptr}};
+  if (tool == JudgedTool::screw) {
+    score.figures.push_back({"screw_length_mm", pass ? Value(pass->length_mm) : unknown});
+    score.figures.push_back({"screw_diameter_mm", pass ? Value(pass->diameter_mm) : unknown});
+  }
+  score.figures.push_back({"passes_count", int(facts.passes.size())});
+  score.figures.push_back({"shots_count", int(facts.shots.size())});
   const bool graded = pass && none.empty() && doubt.empty();
   const PedicleBreach lies = graded ? breach_in_place(*e.pedicle, *pass, before, bone) : PedicleBreach();
   const char* const walls[] = {"medial_wall_mm", "lateral_wall_mm", "upper_wall_mm", "lower_wall_mm"};  // Wall
