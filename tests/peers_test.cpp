@@ -7,6 +7,7 @@
 #include <string>
 
 #include "peers/depth_buffer.h"
+#include "peers/feedback_buffer.h"
 #include "peers/god_object.h"
 #include "peers/round_proxy.h"
 #include "peers/tangent_plane.h"
@@ -60,11 +61,13 @@ TEST(Peers, ASphereHoldsTheProxyWhereItIsNearestToTheDevice) {
   const double radius = 15;
   const FeltMesh mesh(
       landscape([=](double x, double y) { return std::sqrt(std::max(0.0, radius * radius - x * x - y * y)); }, 0.25));
-  const PeerParams params = one_newton_a_mm();
+  PeerParams params = one_newton_a_mm();
+  params.feedback_side_mm = 8;  // captured in each tick
   for (const AlgorithmKind& kind : of_meshes()) {
     SCOPED_TRACE(kind.name);
     const auto a = kind.make({&mesh, nullptr, 1}, params);
-    go(*a, {0, 0, radius + 3}, {0, 0, radius - 1});
+    // Not down onto a corner of the mesh: what is captured in single precision may be passed there between all facets.
+    go(*a, {0.03, 0.01, radius + 3}, {0.03, 0.01, radius - 1});
     // Around a third of a turn, 1 mm deep.
     const haptics::HapticState* s = nullptr;
     Vec3 device;
@@ -185,6 +188,59 @@ TEST(Peers, RuspinisLocalSetLooksAhead) {
   };
   EXPECT_EQ(comes_at(1.5, 3), 1);
   EXPECT_EQ(comes_at(1.5, 0), 0) << "the set holds what is within 15 mm of the ball";
+}
+
+TEST(Peers, ATriangleIsCutAtTheCube) {
+  const auto area = [](const std::vector<Vec3>& p) {
+    Vec3 twice;
+    for (std::size_t n = 2; n < p.size(); ++n) twice += cross(p[n - 1] - p[0], p[n] - p[0]);
+    return norm(twice) / 2;
+  };
+  // Whole, cut to a square, cut to a corner, beyond it, and about it without a corner in it.
+  EXPECT_EQ(clipped_to_cube({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, {0, 0, 0}, 2).size(), 3u);
+  EXPECT_NEAR(area(clipped_to_cube({{{-9, -9, 0}, {9, -9, 0}, {0, 30, 0}}}, {0, 0, 0}, 2)), 16, 1e-9);
+  EXPECT_NEAR(area(clipped_to_cube({{{-10, -10, 1}, {10, -10, 1}, {-10, 10, 1}}}, {0, 0, 0}, 2)), 8, 1e-9);
+  EXPECT_TRUE(clipped_to_cube({{{3, 0, 0}, {4, 0, 0}, {3, 1, 0}}}, {0, 0, 0}, 2).empty());
+  EXPECT_NEAR(area(clipped_to_cube({{{-90, -90, 0}, {90, -90, 0}, {0, 300, 0}}}, {5, -7, 0.5}, 3)), 36, 1e-9);
+}
+
+TEST(Peers, TheFeedbackBufferFeelsWhatTheLastPictureCaptured) {
+  const FeltMesh mesh(landscape(flat));
+  PeerParams params = one_newton_a_mm();
+  params.feedback_side_mm = 8;
+  FeedbackBuffer a({&mesh, nullptr, 1}, params);
+  a.update(at({0, 0, 9}));
+  a.client({0, 0, 9});
+  EXPECT_EQ(a.captured(), 0u) << "the box ends above the surface";
+  EXPECT_EQ(a.update(at({0, 0, -1})).touched, 0) << "no picture since";
+  a.reset();
+  a.update(at({0.3, 0.2, 3}));
+  a.client({0.3, 0.2, 3});
+  EXPECT_GE(a.captured(), 8u * 8 * 2);
+  EXPECT_LE(a.captured(), 10u * 10 * 2 * 3);
+  EXPECT_EQ(a.lost(), 0u);
+  EXPECT_EQ(a.update(at({0.3, 0.2, -1})).touched, 1);
+  // Beyond the box there is nothing, until a picture is made there.
+  a.update(at({9, 0.2, -1}));  // slides there on the last facet's plane
+  EXPECT_EQ(a.update(at({9, 0.2, -1})).touched, 0);
+}
+
+// Who says beforehand too small a number of corners loses what comes late in the mesh, and falls through there.
+TEST(Peers, TheFeedbackBufferLosesWhatItHasNoRoomFor) {
+  const FeltMesh mesh(landscape(flat));
+  const auto touched_with = [&](int corners, std::size_t* lost) {
+    PeerParams params = one_newton_a_mm();
+    params.feedback_vertices = corners;
+    FeedbackBuffer a({&mesh, nullptr, 1}, params);
+    const int touched = go(a, {10.3, 10.2, 3}, {10.3, 10.2, -1}).touched;
+    *lost = a.lost();
+    return touched;
+  };
+  std::size_t lost = 0;
+  EXPECT_EQ(touched_with(65536, &lost), 1);
+  EXPECT_EQ(lost, 0u);
+  EXPECT_EQ(touched_with(300, &lost), 0);
+  EXPECT_GT(lost, 1000u);
 }
 
 TEST(Peers, TheDepthBufferDoesNotSeeBehindWhatHidesIt) {

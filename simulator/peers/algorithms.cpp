@@ -4,6 +4,7 @@
 
 #include "peers/contact_algorithm.h"
 #include "peers/depth_buffer.h"
+#include "peers/feedback_buffer.h"
 #include "peers/god_object.h"
 #include "peers/round_proxy.h"
 #include "peers/scalar_surface.h"
@@ -30,6 +31,7 @@ std::vector<AlgorithmKind> all_algorithms() {
       kind<GodObject>("god_object", "god-object, bare", "Zilles1995", true),
       kind<RoundProxy>("ruspini", "Ruspini", "Ruspini1997", true),
       kind<DepthBuffer>("depth_buffer", "depth buffer", "OpenHaptics", true),
+      kind<FeedbackBuffer>("feedback_buffer", "feedback buffer", "OpenHaptics", true),
       kind<TangentPlane>("tangent_planes", "intermediate planes", "Adachi1995, Mark1996", true)};
   AlgorithmKind lifted = kind<GodObject>("god_object_lifted", "god-object, lifted", "Zilles1995", true);
   lifted.make = [](const PeerScene& scene, const PeerParams& params) {

@@ -44,6 +44,8 @@ struct PeerParams {
   double proxy_radius_mm = 1, local_set_mm = 15, look_ahead_ratio = 3;
   int depth_pixels = 512;
   double depth_side_mm = 40, depth_lift_mm = 0.2;
+  double feedback_side_mm = 40;
+  int feedback_vertices = 1000000;
   double most_strength_n = 5;
   double plane_reach_mm = 10, recovery_s = 0.02;
   template <class V>
@@ -62,6 +64,10 @@ struct PeerParams {
     v.number(&P::depth_side_mm, "depth_side_mm", Range{1, 500}, "Side of what the depth picture shows.");
     v.number(&P::depth_lift_mm, "depth_lift_mm", Range{0, 10},
              "Where a new depth picture shows the proxy less deep than this, it is lifted onto the surface.");
+    v.number(&P::feedback_side_mm, "feedback_side_mm", Range{1, 500},
+             "Side of the box about the tool in which the feedback buffer captures triangles.");
+    v.integer(&P::feedback_vertices, "feedback_vertices", Range{3, 1e8},
+              "How many corners of triangles that buffer holds; what comes later is lost.");
     v.number(&P::most_strength_n, "most_strength_n", Range{0.01, 100},
              "Strength of the scalar surface's plane primitive where the voxel is full.");
     v.number(&P::plane_reach_mm, "plane_reach_mm", Range{0.1, 500},

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <optional>
+
 #include "peers/contact_algorithm.h"
 
 namespace trephine::peers {
@@ -18,9 +20,20 @@ class GodObject : public ContactAlgorithm {
   GodObject(const PeerScene& scene, const PeerParams& params) : scene_(scene), params_(params) {}
   const haptics::HapticState& update(const haptics::HapticInput& given) override;
   void reset() override { begun_ = false; }
+  /// Another mesh about the same origin from now on, from where it is; null until there is one, and no update() before.
+  void feel(const FeltMesh* mesh) {
+    scene_.mesh = mesh;
+    rests_ = 0;
+  }
+  /// About the mesh's origin; nothing before it began.
+  std::optional<Vec3> place_mm() const { return begun_ ? std::optional<Vec3>(god_) : std::nullopt; }
+  void move_to(Vec3 place_mm) {
+    god_ = place_mm;
+    begun_ = true;
+  }
 
  private:
-  const PeerScene scene_;
+  PeerScene scene_;
   const PeerParams params_;
   haptics::HapticState state_;
   bool begun_ = false;

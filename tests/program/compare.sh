@@ -10,7 +10,7 @@ small=("$TREPHINE" compare "$work/case" --triangles 5000,20000 --servo-ticks 300
 
 # The tables, each with a row of every algorithm.
 for table in servo forces client falls; do
-  for algorithm in ours stepped scalar_surface god_object god_object_lifted ruspini depth_buffer tangent_planes plane_stub; do
+  for algorithm in ours stepped scalar_surface god_object god_object_lifted ruspini depth_buffer feedback_buffer tangent_planes plane_stub; do
     grep -q "^$algorithm," "$work/out/$table.csv" || fail "$table.csv has no $algorithm"
   done
 done
@@ -30,7 +30,7 @@ grep -Eq '^(holds|does not hold): A step of at most' "$work/text" || fail "the v
 python3 - "$work/out/compare.json" <<'PY' || fail "compare.json is wrong"
 import json, sys
 c = json.load(open(sys.argv[1]))
-assert c["trephine_compare"] == 1 and len(c["algorithms"]) == 9 and len(c["meshes"]) == 2
+assert c["trephine_compare"] == 1 and len(c["algorithms"]) == 10 and len(c["meshes"]) == 2
 assert {f["loop"] for f in c["forces"]} == {"open", "closed"}
 ours = [f for f in c["forces"] if f["algorithm"] == "ours"]
 # They begin half a second after the first contact, not with the approach.
