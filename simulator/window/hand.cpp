@@ -26,7 +26,8 @@ Hand::Hand(CaseView& view, const std::string& site, bool behind) : view_(view) {
     goal_.axis = {0, 1, 0};
     goal_.tip_mm = {(b.min_mm.x + b.max_mm.x) / 2, b.max_mm.y + begin_mm, (b.min_mm.z + b.max_mm.z) / 2};
   }
-  if (view.stands_from && !behind) {  // a surgeon's view without a C-arm: held from below, outside of all
+  const bool stands = view.stands_from && dot(view.camera.toward, *view.stands_from) > 0.99;
+  if (stands && !behind) {  // a surgeon's view without a C-arm: held from below, outside of all
     const Vec3 at = view.open_field_mm ? *view.open_field_mm : view.middle_mm();
     const Vec3 toward = view.camera.toward, up = view.camera.up;
     double out_mm = 0;

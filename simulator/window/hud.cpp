@@ -287,8 +287,9 @@ void Hud::draw(Player& player, Screen& screen, const PictureTimes& times) {
       Layout(float(screen.cursor.width), float(screen.cursor.height), ImGui::GetFontSize(),
              player.xrays() && player.live(), player.lesson() && player.shown(), has_shots, player.shown() != nullptr);
   const Place& free = layout_.patient;
-  player.view().set_room(screen.panels_shown ? free.x : 0, free.x + free.width, screen.cursor.width,
-                         screen.cursor.height);
+  const bool beside = screen.panels_shown || (player.xrays() && player.live());  // of the fluoroscope's monitor
+  player.view().set_room(screen.panels_shown ? free.x : 0, beside ? free.x + free.width : screen.cursor.width,
+                         screen.cursor.width, screen.cursor.height);
   inset_letters(player, screen.cursor.width, screen.cursor.height);
   if (screen.panels_shown) {
     if (player.in_lesson())

@@ -13,7 +13,7 @@ done
 # begin LESSON: opens a window on it.
 begin() {
   open_window "$TREPHINE" play "$work/spine" --lesson "$1" --rubric "$work/$1.json" --participant r-01 --task pedicle_2_left --out "$work/out" \
-    --no-realtime --max-step-s 3600 --window-width 480 --window-height 360 --no-panels --shots "$work/shots" --advance-mm-per-s 20
+    --no-realtime --no-questions --max-step-s 3600 --window-width 480 --window-height 360 --no-panels --shots "$work/shots" --advance-mm-per-s 20
 }
 # in_picture FILE: the needle's tip is where the window says, bright beside what is beyond it.
 in_picture() {
