@@ -119,6 +119,37 @@ TEST(Findings, AGapOfTheVaultIsMeasured) {
   EXPECT_TRUE(concerns(gaps[0], "brain"));
 }
 
+// Between the inion and the foramen magnum the bone is seen through the muscles of the nape, from the cerebellum. A
+// whole one is none, and a plate of bone that grew over the gap closes it.
+TEST(Findings, AGapOfTheOccipitalBoneIsMeasured) {
+  const auto opened = [](double radius_mm) {
+    return [radius_mm](Scene& scene, const phantom::Head& head) {
+      const Vec3 inion = head.landmark("inion");
+      auto& v = std::get<grid::Grid<std::int16_t>>(scene.volume);
+      for (int k = 0; k < v.size[2]; ++k)
+        for (int j = 0; j < v.size[1]; ++j)
+          for (int i = 0; i < v.size[0]; ++i) {
+            const Vec3 d = v.to_world_mm({double(i), double(j), double(k)}) - inion;
+            if (std::hypot(d.x, d.z + 24) > radius_mm || d.y < -45 || !(scene.skull.at(i, j, k) > 0)) continue;
+            scene.skull.at(i, j, k) = -1;
+            v.at(i, j, k) = 40;
+          }
+    };
+  };
+  const auto gaps_of = [&](double radius_mm) {
+    return Scene({}, phantom::Variant::normal, 2, 5, opened(radius_mm)).of(FindingKind::bone_gap);
+  };
+  EXPECT_TRUE(gaps_of(0).empty());
+  const auto gaps = gaps_of(13);
+  ASSERT_EQ(gaps.size(), 1u);
+  EXPECT_EQ(gaps[0].where, "in the occipital bone");
+  EXPECT_EQ(gaps[0].side, "middle");
+  EXPECT_GE(gaps[0].confidence, findings::sure_confidence);
+  // Of 5.3 cm2 of bone what the cerebellum sees through 10 mm of it, as large as it is on the brain.
+  EXPECT_GT(Scene::figure(gaps[0], "area_cm2"), 1);
+  EXPECT_LT(Scene::figure(gaps[0], "area_cm2"), 5.3);
+}
+
 TEST(Findings, InNoiseThatLeavesNoTissueToMeasureItAllButMetalIsDoubtful) {
   phantom::HardParams hard;
   hard.craniectomy = true;

@@ -16,6 +16,10 @@ namespace {
 constexpr int rays = 16000;
 constexpr double min_up_mm = 32;  ///< of the template: below it orbits, ears and thin temporal bone
 constexpr double step_mm = 0.5, reach_mm = 45;
+// Below the vault the occipital bone is looked through from the cerebellum: backwards, between the foramen magnum and
+// the inion, through the muscles of the nape.
+constexpr Vec3 cerebellum_mm{0, 42, -2};
+constexpr double nape_mm = 95, backwards = 0.45, most_down = 0.62, most_up = 0.35;
 constexpr float skin_hu = -400;
 constexpr double scalp_mm = 4;
 constexpr double off_bone_mm = 2.5, straight_mm = 3, thick_mm = 4.5;
@@ -42,7 +46,8 @@ struct Met {
 
 // The skull is read between its voxels. The nearest voxel alone closes a burr hole in thick slices: a slanting ray
 // meets the step of the slice above or below before it is through.
-Met along(const Inside& in, const mask::HuView& hu, const craniometry::FieldView& skull, Vec3 from, Vec3 way) {
+Met along(const Inside& in, const mask::HuView& hu, const craniometry::FieldView& skull, Vec3 from, Vec3 way,
+          double farthest_mm) {
   const grid::Lattice& cells = in.cells();
   double inner = 0;
   bool inside = false;
@@ -55,7 +60,7 @@ Met along(const Inside& in, const mask::HuView& hu, const craniometry::FieldView
   Met met;
   if (!inside) return met;
   met.at_mm = from + way * inner;
-  for (double d = inner - 6; d < inner + reach_mm; d += step_mm) {
+  for (double d = inner - 6; d < inner + farthest_mm; d += step_mm) {
     const Vec3 lps = from + way * d;
     const float value = hu_near(hu, lps);
     if (value < -2500) return met;  // the scan ends
@@ -85,33 +90,44 @@ std::vector<Seen> bone_gaps(const Inside& in, const grid::HuVolume& volume, cons
                             const FindingsParams& params) {
   const mask::HuView hu(volume);
   const craniometry::FieldView bone(skull, hu.lattice());
-  const Vec3 middle = in.envelope.centre_mm();
-  std::vector<Vec3> ways, at;
-  std::vector<double> area;         // mm^2 of a ray's share of the vault
-  for (int n = 0; n < rays; ++n) {  // evenly over the sphere, along a spiral
-    const double z = 1 - 2 * (n + 0.5) / rays, r = std::sqrt(1 - z * z), turn = pi * (3 - std::sqrt(5.0)) * n;
-    const Vec3 way{r * std::cos(turn), r * std::sin(turn), z};
-    const Vec3 about = middle + way * 70;
-    if (in.place.sure ? in.place.to_template(about).z < min_up_mm + 20 : z < 0.35) continue;
-    const Met met = along(in, hu, bone, middle, way);
-    if (met.is != Ray::gap) continue;
+  std::vector<Vec3> at;
+  std::vector<double> area;  // mm^2 of a ray's share of the bone
+  const auto look = [&](Vec3 middle, Vec3 way, double farthest_mm) {
+    const Met met = along(in, hu, bone, middle, way, farthest_mm);
+    if (met.is != Ray::gap) return;
     const double out = norm(met.at_mm - middle);
-    ways.push_back(way);
     at.push_back(met.at_mm);
     area.push_back(4 * pi / rays * out * out);
+  };
+  for (int n = 0; n < rays; ++n) {  // evenly over the sphere, along a spiral
+    const double z = 1 - 2 * (n + 0.5) / rays, r = std::sqrt(1 - z * z), turn = pi * (3 - std::sqrt(5.0)) * n;
+    const Vec3 way{r * std::cos(turn), r * std::sin(turn), z}, middle = in.envelope.centre_mm();
+    if (in.place.sure ? in.place.to_template(middle + way * 70).z >= min_up_mm + 20 : z >= 0.35)
+      look(middle, way, reach_mm);
+  }
+  const std::size_t of_vault = at.size();
+  if (in.place.sure) {
+    const Vec3 middle = in.place.to_lps(cerebellum_mm);
+    for (int n = 0; n < rays; ++n) {
+      const double z = 1 - 2 * (n + 0.5) / rays, r = std::sqrt(1 - z * z), turn = pi * (3 - std::sqrt(5.0)) * n;
+      const Vec3 way{r * std::cos(turn), r * std::sin(turn), z};
+      const Vec3 towards = normalized(in.place.to_template(middle + way * 50) - cerebellum_mm);
+      if (towards.y > backwards && towards.z < most_up && towards.z > -most_down) look(middle, way, nape_mm);
+    }
   }
   // Rays that lie beside each other are one gap.
   const double near_mm = 2.2 * 75 * std::sqrt(4 * pi / rays);
-  std::vector<int> of(ways.size(), -1);
+  std::vector<int> of(at.size(), -1);
   std::vector<Seen> all;
   int gaps = 0;
-  for (std::size_t first = 0; first < ways.size(); ++first) {
+  for (std::size_t first = 0; first < at.size(); ++first) {
     if (of[first] >= 0) continue;
     std::vector<std::size_t> members{first};
     of[first] = gaps;
     for (std::size_t m = 0; m < members.size(); ++m)
-      for (std::size_t o = 0; o < ways.size(); ++o)
-        if (of[o] < 0 && norm(at[o] - at[members[m]]) < near_mm) of[o] = gaps, members.push_back(o);
+      for (std::size_t o = 0; o < at.size(); ++o)
+        if (of[o] < 0 && (o < of_vault) == (first < of_vault) && norm(at[o] - at[members[m]]) < near_mm)
+          of[o] = gaps, members.push_back(o);
     ++gaps;
     std::vector<Vec3> points;
     double mm2 = 0;
@@ -120,7 +136,8 @@ std::vector<Seen> bone_gaps(const Inside& in, const grid::HuVolume& volume, cons
     if (mm2 / 100 < params.min_gap_cm2 || 3.46 * e.sigma_mm[1] < suture_mm) continue;
     Seen s;
     s.finding.kind = FindingKind::bone_gap;
-    s.finding.where = "in the vault";
+    const bool vault = first < of_vault;
+    s.finding.where = vault ? "in the vault" : "in the occipital bone";
     s.finding.position_mm = e.middle_mm;
     const double slice =
         std::max({in.raster.fine.spacing_mm.x, in.raster.fine.spacing_mm.y, in.raster.fine.spacing_mm.z});
@@ -135,7 +152,8 @@ std::vector<Seen> bone_gaps(const Inside& in, const grid::HuVolume& volume, cons
                                 mask::ramp(width_mm / slice, hole_doubtful, hole_sure));
     s.finding.confidence = sure * (in.place.sure ? 1 : 0.5);
     s.finding.figures = {{"area_cm2", cm2}, {"longest_mm", 3.46 * e.sigma_mm[0]}, {"width_mm", width_mm}};
-    s.finding.text = fmt::format("the vault has a gap of {:.1f} cm2, {:.0f} mm long", mm2 / 100, 3.46 * e.sigma_mm[0]);
+    s.finding.text = fmt::format("the {} has a gap of {:.1f} cm2, {:.0f} mm long", vault ? "vault" : "occipital bone",
+                                 mm2 / 100, 3.46 * e.sigma_mm[0]);
     if (mm2 > 500) s.finding.concerns = {"brain"};  // the brain bulges or sinks there, and no bone bounds it
     all.push_back(std::move(s));
   }

@@ -133,7 +133,9 @@ using Findings = Outcome<grid::LabelFile, FindingsResult>;
 /// - shift: of the midline at the foramina of Monro; doubtful where the ventricles cannot be whole and no septum is
 /// seen; wide_ventricles: by Evans' index (head/head_figures.h).
 /// - bone_gap: rays from the brain through the vault that meet no bone before they leave the skin; the area at
-///   the skull. In thick slices it is sure where it is several slices wide, or a round hole wider than a slice.
+///   the skull. In thick slices it is sure where it is several slices wide, or a round hole wider than a slice. Of the
+///   occipital bone between inion and foramen magnum, where the head fits the template, rays from the cerebellum; the
+///   area at the brain, which is smaller.
 /// - metal: above the base of the skull, within 25 mm of the brain. Pieces that are hardly denser than the vault's
 ///   densest bone (1.3 times; 1.7 times at the petrous bones) are one doubtful finding of their own.
 /// - tube: straight, thin and long, in the brain; doubtful where it keeps to a few slices, as streaks of metal do.

@@ -10,7 +10,7 @@ namespace trephine::stages {
 StageType findings_stage() {
   StageType s;
   s.name = "findings";
-  s.version = 13;
+  s.version = 14;
   s.typical.base_s = 0.3;
   s.typical.per_million_voxels_s = 0.038;
   s.place = StagePlace::scan;
