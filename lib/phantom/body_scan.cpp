@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "phantom/slice_image.h"
 
 namespace trephine::phantom {
 namespace {
@@ -21,7 +20,8 @@ Vec3 default_centre_mm() {
   return {fresh.centre_mm[0], fresh.centre_mm[1], fresh.centre_mm[2]};
 }
 
-Scan scan_body(const HuAt& hu, const ScanParams& params, std::uint64_t seed, const Progress& progress) {
+Scan scan_body(const HuAt& hu, const ScanParams& params, std::uint64_t seed, const Progress& progress,
+               const Artefacts& artefacts) {
   Scan out;
   out.columns = params.columns_count, out.rows = params.rows_count;
   out.pixel_mm = pixel_spacing_mm(params);
@@ -47,6 +47,7 @@ Scan scan_body(const HuAt& hu, const ScanParams& params, std::uint64_t seed, con
           image.at(i, j) = float(sum / across);
         }
       blur(image, sigma_px);
+      if (artefacts) artefacts(image, pose, out.pixel_mm);
       add_noise(image, sigma_px, params.noise_hu, seed, std::uint64_t(k));
       quantize(image, params.round_field, &out.hu[per_slice * std::size_t(k)]);
       progress.report(++done / double(params.slices_count));

@@ -3,15 +3,20 @@
 #include <functional>
 
 #include "phantom/scan.h"
+#include "phantom/slice_image.h"
 
 namespace trephine::phantom {
 
 /// HU of a body at a point of the scanner's frame, edges of tissues ramped over that width.
 using HuAt = std::function<double(Vec3 lps_mm, double width_mm)>;
 
-/// A body on the scanner of the head: averaged over the slice's thickness, then the kernel and its noise. The same
-/// bytes whatever the thread count. Cancelled.
-Scan scan_body(const HuAt& hu, const ScanParams& params, std::uint64_t seed, const Progress& progress = {});
+/// Artefacts of a slice, drawn after the kernel's blur.
+using Artefacts = std::function<void(SliceImage&, const SlicePose&, double pixel_mm)>;
+
+/// A body on the scanner of the head: averaged over the slice's thickness, then the kernel, artefacts and noise. The
+/// same bytes whatever the thread count. Cancelled.
+Scan scan_body(const HuAt& hu, const ScanParams& params, std::uint64_t seed, const Progress& progress = {},
+               const Artefacts& artefacts = {});
 
 /// The middle of the scanner's default block: where bodies that have a frame of their own are laid.
 Vec3 default_centre_mm();

@@ -19,8 +19,10 @@ void append(std::string& text, const P& params) {
 void append_body(std::string& text, const BodyParams& body) {
   const bool chest = body.body == BodyParams::Body::chest;
   const ParameterSet& others = chest ? parameters_of<SpineParams>() : parameters_of<ChestParams>();
+  const BodyParams fresh;
   for (const Parameter& p : parameters_of<BodyParams>().parameters)
-    if (!others.find(p.name)) text += p.name + "=" + to_text(p.get(&body)) + "\n";
+    if (!others.find(p.name) && (!p.came_later || p.get(&body) != p.get(&fresh)))
+      text += p.name + "=" + to_text(p.get(&body)) + "\n";
 }
 
 /// Things are of level hard, and lie around a patient on the back.
@@ -66,8 +68,15 @@ void check_body(const PhantomParams& params) {
   check_default(params.head.hard, why);
   check_default(params.head.implants, why);
   check_default(params.second, why);
+  const SpineScrews none;
+  if (params.body.spine.screws.sides == SpineScrews::Sides::none)
+    for (const Parameter& p : parameters_of<SpineScrews>().parameters)
+      if (p.get(&params.body.spine.screws) != p.get(&none))
+        throw Error(ExitCode::usage, "", p.name, "has no effect without screws: " + Setting{"screws", "both"});
   if (params.scan.contents != Contents::head)
     throw Error(ExitCode::usage, "", "contents", "only a head is scanned with marks");
+  if (body == Body::chest && has_pose(params.scan))
+    throw Error(ExitCode::usage, "", "head_turn_deg", "has no effect on a chest, which lies as it is");
 }
 
 // Of a print everything that is a body's would be ignored.

@@ -59,9 +59,10 @@ struct ScanParams {
     v.choice(&P::plane, "plane", {{"axial", Plane::axial}, {"sagittal", Plane::sagittal}, {"coronal", Plane::coronal}},
              "Plane of the slices.");
     v.numbers(&P::rotation_deg, "rotation_deg", Range{-180, 180}, "Oblique slices: turned about x, then y, then z.");
-    v.numbers(&P::head_turn_deg, "head_turn_deg", Range{-180, 180},
-              "How the head lies in the scanner, as on another day: turned about x, then y, then z through its middle. "
-              "The truth keeps the head's own frame, and says how it lies.")
+    v.numbers(
+         &P::head_turn_deg, "head_turn_deg", Range{-180, 180},
+         "How the head or spine lies in the scanner, as on another day: turned about x, then y, then z through its "
+         "middle. The truth keeps the body's own frame, and says how it lies.")
         .is_later();
     v.numbers(&P::head_shift_mm, "head_shift_mm", Range{-200, 200}, "And shifted by that.").is_later();
     v.choice(&P::position, "position",
@@ -76,7 +77,7 @@ struct ScanParams {
     v.number(&P::cupping_hu, "cupping_hu", Range{0, 200},
              "Depth of the dip in HU that beam hardening causes in the middle of the head; clinical level only.");
     v.number(&P::streak_hu, "streak_hu", Range{0, 3000},
-             "Height of the streaks beside the metal filling; clinical level only.");
+             "Height of the streaks beside metal: a head's filling at clinical level, a spine's screws.");
     v.flag(&P::table, "table", "Head holder and its foam under the head.");
     v.flag(&P::round_field, "round_field", "Pixels outside the largest circle that fits into the slice are padding.");
     v.choice(&P::contents, "contents",

@@ -94,6 +94,22 @@ void add_streaks(SliceImage& image, const SlicePose& pose, double pixel_mm, Vec3
     }
 }
 
+void add_dark_band(SliceImage& image, const SlicePose& pose, double pixel_mm, Vec3 from_mm, Vec3 to_mm,
+                   double depth_hu) {
+  const Vec3 normal = normalized(cross(pose.row, pose.column)), way = to_mm - from_mm, u = normalized(way);
+  const double length = norm(way);
+  for (int j = 0; j < image.rows; ++j)
+    for (int i = 0; i < image.columns; ++i) {
+      const Vec3 d = pose.origin_mm + pose.row * (i * pixel_mm) + pose.column * (j * pixel_mm) - from_mm;
+      const double along = dot(d, u);
+      const Vec3 across = d - u * along;
+      const double depth = dot(across, normal), aside = norm(across - normal * depth);
+      const double beyond = std::max({0.0, -along, along - length});
+      if (std::fabs(depth) > 6 || aside > 18 || beyond > 120) continue;
+      image.at(i, j) -= static_cast<float>(depth_hu * std::exp(-depth * depth / 12 - aside * aside / 40 - beyond / 35));
+    }
+}
+
 void add_noise(SliceImage& image, double sigma_px, double noise_hu, std::uint64_t seed, std::uint64_t slice) {
   if (noise_hu <= 0) return;
   const bool correlated = sigma_px >= 0.05;

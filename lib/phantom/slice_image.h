@@ -26,6 +26,11 @@ void add_cupping(SliceImage& image, const SlicePose& pose, double pixel_mm, doub
 void add_streaks(SliceImage& image, const SlicePose& pose, double pixel_mm, Vec3 metal_mm, double height_hu,
                  std::uint64_t seed);
 
+/// Beam hardening along a rod of metal, in slices that pass within 6 mm of it: tissue beyond its ends and beside it
+/// reads lower by up to `depth_hu`: a drawing of the artefact, not a projection.
+void add_dark_band(SliceImage& image, const SlicePose& pose, double pixel_mm, Vec3 from_mm, Vec3 to_mm,
+                   double depth_hu);
+
 /// Normal noise of that standard deviation, correlated as the kernel does.
 void add_noise(SliceImage& image, double sigma_px, double noise_hu, std::uint64_t seed, std::uint64_t slice);
 

@@ -11,8 +11,10 @@ double hu_of(const Spine& spine, Vec3 p, double width_mm) {
   const double skin = spine.skin(p);
   if (skin < -width_mm) return -1000;
   const double bone = spine.bone(p);
-  return -1000 + 1045 * share(skin) + share(spine.canal(p)) * (15 - 45) + share(bone) * (900 - 45) +
-         share(bone - 1.5) * (280 - 900);
+  const double hu = -1000 + 1045 * share(skin) + share(spine.canal(p)) * (15 - 45) + share(bone) * (900 - 45) +
+                    share(bone - 1.5) * (280 - 900);
+  if (spine.screws().empty()) return hu;
+  return hu + share(spine.metal(p)) * (spine.params().screws.metal_hu - hu);
 }
 
 grid::Grid<std::int16_t> scan_of(const Spine& spine, const grid::Lattice& lattice, double noise_hu,

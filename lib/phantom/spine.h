@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <utility>
 #include <vector>
 
 #include "base/params.h"
@@ -11,6 +12,7 @@
 #include "base/vec3.h"
 #include "phantom/chest.h"
 #include "phantom/scan.h"
+#include "phantom/spine_screws.h"
 
 namespace trephine::phantom {
 
@@ -25,6 +27,9 @@ struct SpineParams {
   double converging_deg = 16;  ///< how far a pedicle's axis leans to the middle, going forwards
   double rising_deg = 4;       ///< and upwards
   double turned_deg = 0;       ///< of the whole spine about z: the patient lies askew
+  int vertebrae_seed = 0;      ///< 0: all vertebrae are alike; else each has its own shape
+  double bend_deg = 0;         ///< each vertebra is turned about x by that much against the one below
+  SpineScrews screws;
 
   /// How many vertebrae there are is not declared: as many as the scan is high.
   template <class V>
@@ -39,6 +44,14 @@ struct SpineParams {
     v.number(&P::rising_deg, "pedicle_rising_deg", Range{-10, 15}, "And upwards.");
     v.number(&P::turned_deg, "turned_deg", Range{-15, 15},
              "Of a spine: turned about its length, as a patient who lies askew.");
+    v.integer(&P::vertebrae_seed, "vertebrae_seed", Range{0, 1000000},
+              "Of a spine: each vertebra has its own shape, drawn by this number; 0: all are alike.")
+        .is_later();
+    v.number(&P::bend_deg, "vertebra_bend_deg", Range{-8, 8},
+             "Of a spine: how far each vertebra leans back against the one below, as on another day. The middle one "
+             "is not moved; the truth of screws is that of a spine that is not bent.")
+        .is_later();
+    v.all_of(&P::screws);
   }
 };
 
@@ -63,7 +76,7 @@ struct BodyParams {
 /// Everything is positive inside, about in mm near the surface.
 class Spine {
  public:
-  explicit Spine(const SpineParams& params = {}) : params_(params), turn_(params.turned_deg * M_PI / 180) {}
+  explicit Spine(const SpineParams& params = {});
   const SpineParams& params() const { return params_; }
 
   /// The axis of a pedicle: its narrowest place, and the unit direction forwards. Vertebra 0 is the lowest.
@@ -73,82 +86,74 @@ class Spine {
     Vec3 middle_mm, forwards;
     double half_width_mm = 0;
   };
-  std::vector<Pedicle> pedicles() const {
-    std::vector<Pedicle> all;
-    for (int n = 0; n < params_.vertebrae_count; ++n)
-      for (const bool left : {true, false}) {
-        const double side = left ? 1 : -1;
-        const double c = params_.converging_deg * M_PI / 180, r = params_.rising_deg * M_PI / 180;
-        const Vec3 forwards{-side * std::sin(c) * std::cos(r), -std::cos(c) * std::cos(r), std::sin(r)};
-        const Vec3 middle{side * (canal_x + 0.5 + params_.half_width_mm), 20, level(n) + 5};
-        all.push_back({n, left, turned(middle), turned(forwards), params_.half_width_mm});
-      }
-    return all;
-  }
+  /// Of the spine as it is bent.
+  std::vector<Pedicle> pedicles() const;
   double level(int n) const { return params_.pitch_mm * (n - 0.5 * (params_.vertebrae_count - 1)); }
 
-  double bone(Vec3 world) const {
-    const Vec3 p = unturned(world);
-    double best = -1e3;
-    for (int n = 0; n < params_.vertebrae_count; ++n)
-      if (std::abs(p.z - level(n)) < params_.pitch_mm) best = std::max(best, vertebra(n, p));
-    return std::min(best, -canal_of(p));
-  }
-  double canal(Vec3 world) const { return canal_of(unturned(world)); }
+  double bone(Vec3 world) const;
+  double canal(Vec3 world) const;
   double skin(Vec3 world) const {
     const Vec3 p = unturned(world);
     return ellipse(p.x, p.y - 10, 110, 85);
   }
+  double metal(Vec3 world) const;
+  /// The same of one vertebra alone.
+  double bone_of(int vertebra, Vec3 world) const;
+
+  /// A screw in place, as the spine is bent.
+  struct Screw {
+    int vertebra = 0;
+    bool left = false;
+    Vec3 tip_mm, seat_mm;  ///< the end of the shaft, and where the head begins
+    Vec3 axis() const { return normalized(tip_mm - seat_mm); }
+  };
+  const std::vector<Screw>& screws() const { return screws_; }
+  /// From a place of the spine that is not bent to the same place of that vertebra.
+  Vec3 bent(int vertebra, Vec3 world) const;
 
  private:
   static constexpr double canal_x = 11, canal_y = 8.5, canal_at = 26;
-  Vec3 rotated(Vec3 p, double a) const {
+  /// What one vertebra has of its own.
+  struct Shape {
+    double half_width = 4.5, half_height = 7.5;
+    double body_x = 24, body_y = 17, body_z = 12, spine_y = 66, spine_z = 9, spine_lean = 0;
+    double mass[2] = {1, 1}, transverse[2] = {22, 22}, transverse_back[2] = {4, 4}, transverse_up[2] = {1, 1};
+    struct Spur {
+      Vec3 at;
+      double radius;
+    };
+    std::vector<Spur> spurs;  ///< on the rim of the body
+  };
+  /// How it lies on the spine, and the shape it has.
+  struct Vertebra {
+    double lean = 0;  ///< about x
+    Vec3 at;
+    Shape is;
+  };
+  Vertebra made(int n) const;
+  Vec3 forwards(double side) const;
+  Vec3 pedicle_middle(const Shape& is, double side) const { return {side * (canal_x + 0.5 + is.half_width), 20, 5}; }
+  Vec3 to_local(const Vertebra& v, Vec3 unturned) const;
+  Vec3 from_local(const Vertebra& v, Vec3 local) const;
+  void put_in_screws();
+
+  static Vec3 rotated(Vec3 p, double a) {
     return {p.x * std::cos(a) - p.y * std::sin(a), p.x * std::sin(a) + p.y * std::cos(a), p.z};
   }
   Vec3 turned(Vec3 p) const { return rotated(p, turn_); }
   Vec3 unturned(Vec3 p) const { return rotated(p, -turn_); }
-
   static double ellipse(double x, double y, double rx, double ry) {
     const double k = std::hypot(x / rx, y / ry), g = std::hypot(x / (rx * rx), y / (ry * ry));
     return k < 1e-9 ? std::min(rx, ry) : k * (1 - k) / g;
   }
   double canal_of(Vec3 p) const { return ellipse(p.x, p.y - canal_at, canal_x, canal_y); }
-  static double ball(Vec3 d, Vec3 r) {
-    const Vec3 s{d.x / r.x, d.y / r.y, d.z / r.z};
-    const double k = norm(s), g = norm({s.x / r.x, s.y / r.y, s.z / r.z});
-    return k < 1e-9 ? std::min({r.x, r.y, r.z}) : k * (1 - k) / g;
-  }
-  static double rod(Vec3 p, Vec3 a, Vec3 b, double radius) {
-    const Vec3 ab = b - a;
-    return radius - norm(p - a - ab * std::clamp(dot(p - a, ab) / dot(ab, ab), 0.0, 1.0));
-  }
-
-  double vertebra(int n, Vec3 world) const {
-    const Vec3 p{world.x, world.y, world.z - level(n)};
-    if (std::abs(p.x) > 60 || p.y < -25 || p.y > 75) return -1e3;           // nothing of it is so far off
-    double best = std::min(ellipse(p.x, p.y, 24, 17), 12 - std::abs(p.z));  // the body
-    for (const double side : {1.0, -1.0}) {
-      const double c = params_.converging_deg * M_PI / 180, r = params_.rising_deg * M_PI / 180;
-      const Vec3 f{-side * std::sin(c) * std::cos(r), -std::cos(c) * std::cos(r), std::sin(r)};
-      const Vec3 middle{side * (canal_x + 0.5 + params_.half_width_mm), 20, 5};
-      const Vec3 across = normalized(cross(f, {0, 0, 1})), up = cross(across, f), d = p - middle;
-      const double t = dot(d, f), wider = 0.012 * t * t;
-      const double tube =
-          ellipse(dot(d, across), dot(d, up), params_.half_width_mm + wider, params_.half_height_mm + wider);
-      best = std::max(best, std::min({tube, t + 16, 16 - t}));
-      const Vec3 mass = middle - f * 15;
-      best = std::max(best, ball(p - mass, {8, 8, 13}));
-      best = std::max(best, rod(p, mass, mass + Vec3{side * 22, 4, 1}, 4));  // transverse process
-    }
-    // The arch behind the canal, and the spinous process.
-    const double ring = std::min(ellipse(p.x, p.y - canal_at, canal_x + 5, canal_y + 5), 9 - std::abs(p.z + 2));
-    best = std::max(best, std::min(ring, p.y - canal_at));
-    best = std::max(best, std::min({3.5 - std::abs(p.x), p.y - canal_at - canal_y, 66 - p.y, 9 - std::abs(p.z + 4)}));
-    return best;
-  }
+  double vertebra(const Shape& is, Vec3 local) const;
 
   SpineParams params_;
   double turn_;
+  std::vector<Vertebra> vertebrae_;
+  std::vector<Screw> screws_;
+  std::vector<std::pair<Vec3, Vec3>> rods_;
 };
 
 /// A lattice of whole vertebrae with that spacing, from 22 mm below the lowest one's middle to as far above the
@@ -175,9 +180,13 @@ Scan scan(const SpineParams& spine, const ScanParams& params, std::uint64_t seed
 
 /// Writes truth.json into `folder` (made where missing): the parameters, and of each pedicle that the scan shows whole
 /// its name (pedicle_1_left from below, as `trephine pedicles` counts), entry, target, middle and half-width; and, of
-/// slices that are a lattice, labels.nrrd: 1 soft tissue, 2 bone, 3 canal. Returns how many such pedicles there are.
+/// slices that are a lattice, labels.nrrd: 1 soft tissue, 2 bone, 3 canal. Of screws `put_in` holds where each lies in
+/// the spine as it is without bend and pose, and how far it stands out of the bone at the pedicle. Returns how many
+/// such pedicles there are.
 /// Throws 73 and 74 as FileWriter.
 std::int64_t write_truth(const std::filesystem::path& folder, const SpineParams& spine, const Scan& scan,
                          const ScanParams& params, bool labels);
 
 }  // namespace trephine::phantom
+
+#include "phantom/spine_shapes.h"  // IWYU pragma: keep

@@ -20,6 +20,96 @@ Json to_json(Vec3 v) { return {v.x, v.y, v.z}; }
 // From the scanner's frame to the spine's: the middle of the default block is the spine's middle.
 Vec3 offset_mm() { return default_centre_mm() - Vec3{0, 10, 0}; }
 
+// From the spine's frame to the scanner's, as it lies there.
+itk::LinearMap lies(const ScanParams& p) { return itk::then({Mat3(), offset_mm()}, head_pose(p)); }
+
+// Streaks from places along each screw, and a dark band along it.
+void draw_metal(const Spine& spine, const itk::LinearMap& map, double height_hu, SliceImage& image,
+                const SlicePose& pose, double pixel_mm) {
+  constexpr double each_mm = 8, share = 0.4;
+  std::uint64_t number = 0;
+  for (const Spine::Screw& s : spine.screws()) {
+    const Vec3 tip = map(s.tip_mm), seat = map(s.seat_mm);
+    for (double t = -6; t < norm(seat - tip); t += each_mm)
+      add_streaks(image, pose, pixel_mm, seat + normalized(tip - seat) * t, share * height_hu, 31 + number++);
+    add_dark_band(image, pose, pixel_mm, seat, tip, height_hu);
+  }
+}
+
+// How far a screw stands out of the bone of its vertebra beside the pedicle's narrow part: the farthest of its side.
+double breach_mm(const Spine& spine, const Spine::Screw& screw, const Spine::Pedicle& pedicle, double radius_mm) {
+  constexpr double narrow_mm = 8;
+  const Vec3 u = screw.axis(), a = normalized(cross(u, {0, 0, 1})), b = cross(u, a);
+  double most = 0;
+  for (double t = 0; t < norm(screw.tip_mm - screw.seat_mm); t += 0.25) {
+    const Vec3 at = screw.seat_mm + u * t;
+    if (std::abs(dot(at - pedicle.middle_mm, pedicle.forwards)) > narrow_mm) continue;
+    for (int n = 0; n < 36; ++n) {
+      const double turn = 2 * M_PI * n / 36;
+      most = std::max(most, -spine.bone_of(screw.vertebra, at + (a * std::cos(turn) + b * std::sin(turn)) * radius_mm));
+    }
+  }
+  return most;
+}
+
+Json rows_of(const itk::LinearMap& m) {
+  Json rows = Json::array();
+  for (int a = 0; a < 3; ++a)
+    rows.push_back({m.matrix.column[0][a], m.matrix.column[1][a], m.matrix.column[2][a], m.offset_mm[a]});
+  return rows;
+}
+
+// From a place of the spine without bend and pose to the same place of a vertebra in the scanner.
+itk::LinearMap to_scan(const Spine& spine, int vertebra, const ScanParams& params) {
+  const itk::LinearMap map = lies(params);
+  const auto at = [&](Vec3 p) { return map(spine.bent(vertebra, p - offset_mm())); };
+  itk::LinearMap out;
+  out.offset_mm = at({});
+  for (int a = 0; a < 3; ++a) {
+    Vec3 e;
+    e[a] = 1;
+    out.matrix.column[a] = at(e) - out.offset_mm;
+  }
+  return out;
+}
+
+// The screws, each in the spine as it is without bend.
+Json put_in(const Spine& bent, const ScanParams& params) {
+  SpineParams straight = bent.params();
+  straight.bend_deg = 0;
+  const Spine spine(straight);
+  Json all = Json::array();
+  for (const Spine::Screw& s : spine.screws()) {
+    Vec3 entry = s.seat_mm;
+    while (norm(entry - s.tip_mm) > 0.2 && spine.bone_of(s.vertebra, entry) < 0) entry += s.axis() * 0.05;
+    double breach = 0;
+    for (const Spine::Pedicle& p : spine.pedicles())
+      if (p.vertebra == s.vertebra && p.left == s.left)
+        breach = breach_mm(spine, s, p, 0.5 * straight.screws.diameter_mm);
+    all.push_back({{"kind", straight.screws.needle ? "needle" : "screw"},
+                   {"screw", s.left ? "left" : "right"},
+                   {"from_middle", s.vertebra - straight.vertebrae_count / 2},
+                   {"tip_mm", to_json(s.tip_mm + offset_mm())},
+                   {"head_mm", to_json(s.seat_mm + offset_mm())},
+                   {"entry_mm", to_json(entry + offset_mm())},
+                   {"axis", to_json(s.axis())},
+                   {"diameter_mm", straight.screws.diameter_mm},
+                   {"length_mm", straight.screws.length_mm},
+                   {"breach_mm", breach},
+                   {"to_scan", rows_of(to_scan(bent, s.vertebra, params))}});
+  }
+  return all;
+}
+
+// The planes of a scan as the spine, which lies otherwise in the scanner, sees them.
+std::vector<SlicePose> seen_by_spine(const std::vector<SlicePose>& slices, const ScanParams& p) {
+  if (!has_pose(p)) return slices;
+  const itk::LinearMap back = itk::inverse(head_pose(p));
+  std::vector<SlicePose> out;
+  for (const SlicePose& s : slices) out.push_back({back(s.origin_mm), back.matrix * s.row, back.matrix * s.column});
+  return out;
+}
+
 // As many vertebrae as the block is high, and one more: none ends in it that a scan would show whole.
 Spine spine_in(SpineParams spine, const std::vector<SlicePose>& slices, const ScanParams& p) {
   double reach = 0;
@@ -54,24 +144,38 @@ bool whole(const Spine& spine, int vertebra, const std::vector<SlicePose>& slice
 }  // namespace
 
 Scan scan(const SpineParams& of, const ScanParams& params, std::uint64_t seed, const Progress& progress) {
-  const Spine spine = spine_in(of, slice_poses(params), params);
-  return scan_body([&](Vec3 p, double width_mm) { return hu_of(spine, p - offset_mm(), width_mm); }, params, seed,
-                   progress);
+  const Spine spine = spine_in(of, seen_by_spine(slice_poses(params), params), params);
+  const itk::LinearMap map = lies(params), back = itk::inverse(map);
+  const bool moved = has_pose(params);
+  const HuAt hu = [&](Vec3 p, double width_mm) { return hu_of(spine, moved ? back(p) : p - offset_mm(), width_mm); };
+  if (spine.screws().empty()) return scan_body(hu, params, seed, progress);
+  return scan_body(hu, params, seed, progress, [&](SliceImage& image, const SlicePose& pose, double pixel_mm) {
+    draw_metal(spine, map, params.streak_hu, image, pose, pixel_mm);
+  });
 }
 
 std::int64_t write_truth(const std::filesystem::path& folder, const SpineParams& of, const Scan& scan,
                          const ScanParams& params, bool labels) {
   make_output_folder(folder);
-  const Spine spine = spine_in(of, scan.slices, params);
+  const std::vector<SlicePose> slices = seen_by_spine(scan.slices, params);
+  const Spine spine = spine_in(of, slices, params);
   Json json;
   json["trephine_spine_truth"] = 1;
   json["frame"] = "DICOM patient LPS, mm";
   const ParameterSet& declared = parameters_of<SpineParams>();
-  for (const Parameter& p : declared.parameters) json["spine"][p.name] = std::get<double>(p.get(&of));
+  const SpineParams fresh;
+  for (const Parameter& p : declared.parameters) {
+    const auto value = p.get(&of);
+    if (p.came_later && value == p.get(&fresh)) continue;
+    if (const double* number = std::get_if<double>(&value))
+      json["spine"][p.name] = *number;
+    else
+      json["spine"][p.name] = to_text(value);
+  }
   json["pedicles"] = Json::array();
   int first = -1;
   for (const Spine::Pedicle& p : spine.pedicles()) {
-    if (!whole(spine, p.vertebra, scan.slices)) continue;
+    if (!whole(spine, p.vertebra, slices)) continue;
     if (first < 0) first = p.vertebra;
     double behind = 0, before = 0;
     while (spine.bone(p.middle_mm - p.forwards * behind) > 0) behind += 0.1;
@@ -84,6 +188,8 @@ std::int64_t write_truth(const std::filesystem::path& folder, const SpineParams&
          {"middle_mm", to_json(p.middle_mm + offset_mm())},
          {"half_width_mm", p.half_width_mm}});
   }
+  if (of.screws.sides != SpineScrews::Sides::none) json["put_in"] = put_in(spine, params);
+  if (has_pose(params)) json["spine_to_scan"] = rows_of(head_pose(params));
   if (labels && has_lattice(params)) {
     grid::Mask mask(lattice_of(scan));
     parallel_for(0, mask.size[2], 1, [&](std::int64_t from, std::int64_t to) {
