@@ -90,17 +90,19 @@ class Acting {
 
 int main(int count, char** words) {
   const std::string what = count > 1 ? words[1] : "";
-  if (what == "print" && count == 4) {
+  if (what == "print" && count == 5) {
     lesson::PrintRecord print = a_print();
     print.case_token = words[3];
+    print.case_sha256 = words[4];
     std::ofstream(words[2]) << lesson::to_json(print);
     return 0;
   }
-  if (what == "tracking" && count == 5) {
+  if (what == "tracking" && count == 6) {
     const Theatre is = a_catheter();
     track::Tracking t;
     t.case_token = words[3];
-    t.case_sha256 = t.print_sha256 = std::string(64, 'a');
+    t.case_sha256 = words[5];
+    t.print_sha256 = std::string(64, 'a');
     t.program = "test";
     t.reference = "Head";
     t.reference_to_case = rows_of(inverse(is.case_to_reference));

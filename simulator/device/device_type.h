@@ -54,8 +54,8 @@ struct DeviceScene {
   std::vector<std::pair<std::string, Vec3>> sites;    ///< the case's landmarks and burr holes, mm
   std::shared_ptr<Mailbox<ViewAxes>> view = nullptr;  ///< of a window; read by the servo thread alone
   std::optional<HandBegin> begin = std::nullopt;      ///< of a hand that is led; none: it finds its own
-  std::string case_token = {};
-  std::vector<std::string> tools = {};  ///< names of a lesson's tools, by number; none: there is one
+  std::string case_token = {}, case_sha256 = {};      ///< the second of its case.json
+  std::vector<std::string> tools = {};                ///< names of a lesson's tools, by number; none: there is one
 };
 
 /// A kind of device, declared once. The values of --device, the help, the reference pages and the completion come from

@@ -64,6 +64,10 @@ DeviceType openigtlink_device() {
       throw Error(ExitCode::bad_input, file.string(), "case",
                   tracking.case_token + ", and the session is in " + scene.case_token +
                       ": the print of another case was registered");
+    if (tracking.case_sha256 != scene.case_sha256)
+      throw Error(ExitCode::bad_input, file.string(), "case_sha256",
+                  "the case was made again since it was printed: its case.json is another; print this case, or use the "
+                  "one that was printed");
     auto device = std::make_unique<LinkedTool>(tracking, scene.tools, choice.of<track::TrackerParams>());
     scene.say({texts::NoteId::waiting_for_tracker, {device->link().endpoint()}});
     device->wait(scene.progress);

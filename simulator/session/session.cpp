@@ -168,6 +168,7 @@ device::DeviceScene Session::scene_of(const SessionOptions& options,
   scene.begin = begin;
   const cases::CaseManifest& m = patient_->felt.loaded.manifest;
   scene.case_token = m.case_token;
+  scene.case_sha256 = patient_->felt.case_sha256;
   for (const haptics::BeltToolParams& tool : options.tools) scene.tools.push_back(tool.name);
   if (!options.drilling.drill) return scene;
   scene.drilled = haptics::drilled_shapes(m.haptic);

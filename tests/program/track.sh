@@ -5,8 +5,9 @@
 . "$(dirname "$0")/common.sh"
 "$WRITE_CASE" "$work/head" head
 token=$(python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))["case"])' "$work/head/case.json")
-"$SERVER" print "$work/print.json" "$token"
-"$SERVER" print "$work/other.json" another
+hash=$(sha256sum <"$work/head/case.json" | head -c 64)
+"$SERVER" print "$work/print.json" "$token" "$hash"
+"$SERVER" print "$work/other.json" another "$hash"
 
 . "$(dirname "$0")/tracker.sh"
 
@@ -107,6 +108,8 @@ open(sys.argv[2], "w").write(open(sys.argv[1]).read().replace('"case": "', '"cas
 PY
 no=("$TREPHINE" servo "$work/head" --device openigtlink)
 expect 65 'elsewhere.json: case: x.*the print of another case' "${no[@]}" --tracking "$work/elsewhere.json" "${link[@]}"
+sed -E 's/("case_sha256": ")[0-9a-f]{8}/\100000000/' "$work/head.tracking.json" >"$work/again.json"
+expect 65 'again.json: case_sha256: the case was made again since it was printed' "${no[@]}" --tracking "$work/again.json" "${link[@]}"
 expect 65 'print.json: ' "${no[@]}" --tracking "$work/print.json" "${link[@]}"
 expect 64 '[-]-tracking: is needed' "${no[@]}"
 expect 64 'workspace-.*do not go together' "${servo[@]}" --workspace-scale 2

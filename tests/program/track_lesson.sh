@@ -8,7 +8,8 @@ lesson=ventriculostomy
 . "$(dirname "$0")/lesson_window.sh"
 . "$(dirname "$0")/tracker.sh"
 "$WRITE_CASE" "$work/head" head_drilled
-"$SERVER" tracking "$work/t.json" "$(python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))["case"])' "$work/head/case.json")" 1.5
+"$SERVER" tracking "$work/t.json" "$(python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))["case"])' "$work/head/case.json")" 1.5 \
+  "$(sha256sum <"$work/head/case.json" | head -c 64)"
 tracker 'at -40.7 -24.3 120.9'
 begin head --out "$work/out" --device openigtlink --tracking "$work/t.json" "${link[@]}"
 until_lesson 'tool catheter step 1 passes_count 0'
