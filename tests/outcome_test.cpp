@@ -86,8 +86,8 @@ TEST(Outcome, ACatheterAndItsHoleAreFoundWhereTheyLie) {
   EXPECT_LT(c.error_mm, 0.6);
   ASSERT_EQ(r.hole, Sighting::found);
   ASSERT_EQ(r.holes.size(), 1u);
-  EXPECT_LT(norm(r.holes.front().outer_mm - truth.hole_mm), 1.5);
-  EXPECT_NEAR(r.holes.front().diameter_mm, truth.hole_diameter_mm, 1.5);
+  EXPECT_LT(norm(r.holes.front().outer_mm - truth.hole_mm), 0.8);
+  EXPECT_NEAR(r.holes.front().diameter_mm, truth.hole_diameter_mm, 0.6);
   EXPECT_EQ(r.holes.front().side, "right");
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "outcome/find_made_holes.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -19,6 +20,9 @@ constexpr double tissue_hu = 40;
 constexpr double course_mm = 2.6;  ///< about a course nothing is known
 constexpr double least_area_mm2 = 10, sure_area_mm2 = 25;
 constexpr double grid_mm = 0.5, beside_mm = 5;
+constexpr int directions = 48;
+constexpr double wide_mm = 1;                         ///< of a gap behind its wall: less is a pit of the bone
+constexpr double round_mm = 0.4, round_ratio = 0.08;  ///< off a circle at the median: more is none
 constexpr double doubtful = 0.4;
 constexpr double least_shown_ratio = 0.7;  ///< of the stretch is bone in the case's CT too, and no frontal sinus
 constexpr double scalp_mm = 2.5, air_hu = -500;
@@ -92,6 +96,94 @@ Vec3 out_of_bone(const CaseHead& head, Vec3 outer_mm) {
   return norm(sum) > 1e-6 ? normalized(sum) : normalized(outer_mm - head.middle_mm);
 }
 
+/// A place across the hole's axis where half of the bone is gone.
+struct WallPoint {
+  double x = 0, y = 0;
+};
+struct Circle {
+  double x = 0, y = 0, radius = 0, off_mm = 1e9;  ///< the median of how far the wall lies off
+};
+// By least squares of the distances; what is far off counts less.
+Circle circle_through(const std::vector<WallPoint>& wall) {
+  Circle c;
+  std::vector<float> off;
+  for (const WallPoint& w : wall) c.x += w.x / double(wall.size()), c.y += w.y / double(wall.size());
+  for (const WallPoint& w : wall) off.push_back(float(std::hypot(w.x - c.x, w.y - c.y)));
+  c.radius = double(mask::median(off, 0));
+  for (int round = 0; round < 20; ++round) {
+    off.clear();
+    for (const WallPoint& w : wall) off.push_back(float(std::abs(std::hypot(w.x - c.x, w.y - c.y) - c.radius)));
+    c.off_mm = double(mask::median(off, 0));
+    const double scale = 4.685 * std::max(0.1, 1.4826 * c.off_mm);
+    Eigen::Matrix3d a = 1e-9 * Eigen::Matrix3d::Identity();
+    Eigen::Vector3d b = Eigen::Vector3d::Zero();
+    for (const WallPoint& w : wall) {
+      const double r = std::max(1e-6, std::hypot(w.x - c.x, w.y - c.y)), d = r - c.radius, u = d / scale;
+      if (std::abs(u) >= 1) continue;
+      const Eigen::Vector3d j((w.x - c.x) / r, (w.y - c.y) / r, 1);
+      const double weight = (1 - u * u) * (1 - u * u);
+      a += weight * j * j.transpose(), b += weight * d * j;
+    }
+    const Eigen::Vector3d step = a.ldlt().solve(b);
+    c.x += step[0], c.y += step[1], c.radius += step[2];
+  }
+  return c;
+}
+
+/// The gap across one axis: its wall in each direction, and how much of it holds air.
+struct Gap {
+  std::vector<WallPoint> wall;
+  double air_ratio = 0;
+};
+// Each ray of stretches along `out` comes from the bone beside the gap inwards to where half of the bone is gone, so
+// that a catheter in the gap, as dense as bone, is no wall. Behind a course nothing is known.
+Gap gap_across(const BoneView& view, Vec3 centre, Vec3 out, Vec3 a, Vec3 b, double reach_mm, double bone_hu) {
+  Gap gap;
+  double air = 0, inside = 0;
+  for (int n = 0; n < directions; ++n) {
+    const double turn = 2 * pi * n / directions, x = std::cos(turn), y = std::sin(turn);
+    double before = 0, gone_mm = 0;
+    WallPoint at;
+    for (double r = reach_mm; r >= 0; r -= grid_mm / 2) {
+      const Stretch s = view.along(centre + (a * x + b * y) * r - out * 22, out, 34);
+      if (!s.known || s.at_course) {
+        if (gone_mm < wide_mm) gone_mm = 0;
+        break;
+      }
+      const double share = (bone_hu - s.mean_hu) / std::max(1.0, bone_hu - tissue_hu);
+      if (share < 0.5) {
+        gone_mm = 0;
+      } else {
+        if (gone_mm == 0) {
+          const double back = r + grid_mm / 2 * (share > before ? std::min(1.0, (share - 0.5) / (share - before)) : 0);
+          at = {back * x, back * y};
+        }
+        gone_mm += grid_mm / 2;
+        air += s.air_ratio, ++inside;
+        if (gone_mm > 2 * wide_mm) break;
+      }
+      before = share;
+    }
+    if (gone_mm >= wide_mm && std::hypot(at.x, at.y) < reach_mm - grid_mm) gap.wall.push_back(at);
+  }
+  if (inside > 0) gap.air_ratio = air / inside;
+  return gap;
+}
+
+/// The median of what is usual in the bone in a ring; nothing where too little of it is known.
+std::optional<double> usual_hu(const BoneView& view, Vec3 centre, Vec3 out, Vec3 a, Vec3 b, double from, double to) {
+  std::vector<float> usual;
+  const int n = int(to);
+  for (int i = -n; i <= n; ++i)
+    for (int j = -n; j <= n; ++j) {
+      if (std::hypot(i, j) > to || std::hypot(i, j) <= from) continue;
+      const Stretch s = view.along(centre + a * double(i) + b * double(j) - out * 22, out, 34);
+      if (s.known && !s.at_course) usual.push_back(float(s.mean_hu));
+    }
+  if (usual.size() < 20) return {};
+  return double(mask::median(usual, 1000));
+}
+
 /// The gap about a place, by rays along one axis.
 std::optional<lesson::OutcomeHole> measured(const CaseHead& head, const BoneView& view, Vec3 outer_mm, double radius_mm,
                                             double slice_mm) {
@@ -101,43 +193,30 @@ std::optional<lesson::OutcomeHole> measured(const CaseHead& head, const BoneView
   for (int round = 0; round < 3; ++round) {
     const Vec3 a = normalized(cross(out, std::abs(out.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0})), b = cross(out, a);
     const double reach = radius_mm + 2 * beside_mm;
-    const int n = int(reach / grid_mm);
-    std::vector<std::pair<Vec3, Stretch>> all;
-    std::vector<float> usual;
-    for (int i = -n; i <= n; ++i)
-      for (int j = -n; j <= n; ++j) {
-        const Vec3 off = a * (i * grid_mm) + b * (j * grid_mm);
-        if (norm(off) > reach) continue;
-        const Stretch s = view.along(centre + off - out * 22, out, 34);
-        if (!s.known) continue;
-        all.emplace_back(off, s);
-        if (norm(off) > radius_mm + beside_mm && !s.at_course) usual.push_back(float(s.mean_hu));
+    const auto bone_hu = usual_hu(view, centre, out, a, b, radius_mm + beside_mm, reach);
+    if (!bone_hu) return {};
+    const Gap gap = gap_across(view, centre, out, a, b, reach - 1, *bone_hu);
+    if (int(gap.wall.size()) < directions / 3) return {};
+    air = gap.air_ratio;
+    const Circle circle = circle_through(gap.wall);
+    double mx = circle.x, my = circle.y;
+    area = pi * circle.radius * circle.radius;
+    if (circle.off_mm > round_mm + round_ratio * circle.radius && int(gap.wall.size()) > 2 * directions / 3) {
+      area = 0, mx = 0, my = 0;  // no circle: what the wall encloses
+      for (std::size_t n = 0; n < gap.wall.size(); ++n) {
+        const WallPoint &p = gap.wall[n], &q = gap.wall[(n + 1) % gap.wall.size()];
+        const double part = 0.5 * (p.x * q.y - q.x * p.y);
+        area += part, mx += part * (p.x + q.x) / 3, my += part * (p.y + q.y) / 3;
       }
-    if (usual.size() < 20) return {};
-    const double bone_hu = double(mask::median(usual, 1000));
-    air = 0;
-    double sum = 0, aa = 0, bb = 0, ab = 0;
-    Vec3 middle;
-    for (const auto& [off, s] : all) {
-      if (norm(off) > radius_mm + beside_mm) continue;
-      double share = std::clamp((bone_hu - s.mean_hu) / std::max(1.0, bone_hu - tissue_hu), 0.0, 1.0);
-      if (s.at_course && norm(off) < radius_mm + 1) share = 1;
-      if (share < 0.3) continue;  // bone is uneven
-      sum += share;
-      air += share * s.air_ratio;
-      middle += off * share;
-      const double x = dot(off, a), y = dot(off, b);
-      aa += share * x * x, bb += share * y * y, ab += share * x * y;
+      if (!(area > 1)) return {};
+      mx /= area, my /= area;
     }
-    area = sum * grid_mm * grid_mm;
-    if (sum < 1) return {};
-    air /= sum;
-    middle = middle * (1 / sum);
-    const double mx = dot(middle, a), my = dot(middle, b);
-    aa = aa / sum - mx * mx, bb = bb / sum - my * my, ab = ab / sum - mx * my;
+    double aa = 0, bb = 0, ab = 0;
+    for (const WallPoint& w : gap.wall)
+      aa += (w.x - mx) * (w.x - mx), bb += (w.y - my) * (w.y - my), ab += (w.x - mx) * (w.y - my);
     const double half = 0.5 * (aa + bb), root = std::sqrt(std::max(0.0, 0.25 * (aa - bb) * (aa - bb) + ab * ab));
     spread[0] = std::sqrt(std::max(0.0, half + root)), spread[1] = std::sqrt(std::max(0.0, half - root));
-    centre += middle;
+    centre += a * mx + b * my;
     if (const auto p = passage_of(head, centre - out * 22, out, 34, least_bone_mm))
       centre = centre - out * (22 - p->outer_mm);
     out = out_of_bone(head, centre);

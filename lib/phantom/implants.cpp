@@ -32,6 +32,12 @@ struct Surfaces {
                            hull(world + Vec3{0, h, 0}) - hull(world - Vec3{0, h, 0}),
                            hull(world + Vec3{0, 0, h}) - hull(world - Vec3{0, 0, h})});
   }
+  /// A radius about an axis in the model's coordinates, which an individual's size stretches.
+  double radius_inside(Vec3 at, Vec3 axis, double radius_mm) const {
+    const Vec3 u = normalized(axis), a = normalized(cross(u, std::abs(u.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0})),
+               b = cross(u, a);
+    return radius_mm * std::sqrt(norm(inside(at + a) - inside(at)) * norm(inside(at + b) - inside(at)));
+  }
   /// Where the ray first gets so far out of the bone.
   Vec3 leave(Vec3 from, Vec3 way, double level) const {
     const Vec3 u = normalized(way);
@@ -65,8 +71,9 @@ void Model::add_implants(const ImplantParams& is, const Landmarks& landmarks) {
     t.hole_mm = bone.leave(foramen, over - foramen, 0);
     t.hole_out = bone.outwards(t.hole_mm);
     t.hole_diameter_mm = is.hole_mm;
-    hard.holes.push_back({bone.inside(t.hole_mm - t.hole_out * in_mm), bone.inside(t.hole_mm + t.hole_out * out_mm),
-                          is.hole_mm / 2, is.hole_mm / 2});
+    const double hole = bone.radius_inside(t.hole_mm, t.hole_out, is.hole_mm / 2);
+    hard.holes.push_back(
+        {bone.inside(t.hole_mm - t.hole_out * in_mm), bone.inside(t.hole_mm + t.hole_out * out_mm), hole, hole});
     if (is.implants != Implants::burr_hole) {
       t.has_catheter = true;
       t.catheter_diameter_mm = is.catheter_mm;
@@ -83,8 +90,10 @@ void Model::add_implants(const ImplantParams& is, const Landmarks& landmarks) {
       const Vec3 leaves = over + Vec3{side * 12, 60, 0} - foramen;  // to the back, under the scalp
       for (int n = 0; n <= 6; ++n)
         all.push_back(bone.leave(foramen, start * (1 - n / 6.0) + leaves * (n / 6.0), under_scalp_mm));
-      for (std::size_t n = 0; n + 1 < all.size(); ++n)
-        hard.catheter.push_back({bone.inside(all[n]), bone.inside(all[n + 1]), radius, radius});
+      for (std::size_t n = 0; n + 1 < all.size(); ++n) {
+        const double r = bone.radius_inside(all[n], all[n + 1] - all[n], radius);
+        hard.catheter.push_back({bone.inside(all[n]), bone.inside(all[n + 1]), r, r});
+      }
     }
     const Vec3 front = normalized(cross(cross(t.hole_out, Vec3{0, -1, 0}), t.hole_out)),
                across = cross(t.hole_out, front);

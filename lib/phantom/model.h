@@ -113,8 +113,9 @@ struct Model {
   S teeth(const Point<S>& m) const;
   template <class S>
   S skin(const Base<S>& b) const;
+  /// orbit(b) and nasal(b), as skull_of() gives them; `whole`: where nothing is missing.
   template <class S>
-  S skull(const Base<S>& b, const S& orbit, const S& nasal) const;  ///< orbit(b) and nasal(b), as skull_of() gives them
+  S skull(const Base<S>& b, const S& orbit, const S& nasal, bool whole = false) const;
   template <class S>
   S brain(const Base<S>& b) const;  ///< with the cord, unclipped
   template <class S>

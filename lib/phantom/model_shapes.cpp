@@ -123,12 +123,12 @@ S nasal(const Model::Base<S>& b) {
 }
 
 template <class S>
-S Model::skull(const Base<S>& b, const S& orbit, const S& nasal) const {
+S Model::skull(const Base<S>& b, const S& orbit, const S& nasal, bool whole) const {
   S f = smooth_intersection(b.hull, -b.cavity, 1.5);
   if (value(b.cavity) < -8) return f;
   f = smooth_intersection(f, -orbit, 1.5);
   f = smooth_intersection(f, -nasal, 1.5);
-  return hard.on ? smooth_intersection(f, -defects(b), 0.8) : f;
+  return hard.on && !whole ? smooth_intersection(f, -defects(b), 0.8) : f;
 }
 
 template <class S>
@@ -243,20 +243,20 @@ S Model::solid(Anatomy anatomy, const Point<S>& p) const {
   return anatomy == Anatomy::skin ? skin(b) : anatomy == Anatomy::skull ? skull_of(*this, b) : brain_clipped(b);
 }
 
-#define TREPHINE_INSTANTIATE(S)                                             \
-  template struct Model::Base<S>;                                           \
-  template Model::Base<S> Model::base(const Point<S>&, bool) const;         \
-  template S orbit(const Model::Base<S>&);                                  \
-  template S nasal(const Model::Base<S>&);                                  \
-  template S Model::skin(const Model::Base<S>&) const;                      \
-  template S Model::skull(const Model::Base<S>&, const S&, const S&) const; \
-  template S Model::teeth(const Point<S>&) const;                           \
-  template S Model::brain(const Model::Base<S>&) const;                     \
-  template S Model::bone_hull(const Point<S>&, const S&) const;             \
-  template Point<S> Model::shifted(const Point<S>&) const;                  \
-  template S Model::brain_clipped(const Model::Base<S>&) const;             \
-  template S Model::ventricles(const Point<S>&) const;                      \
-  template S Model::passages(const Point<S>&) const;                        \
+#define TREPHINE_INSTANTIATE(S)                                                   \
+  template struct Model::Base<S>;                                                 \
+  template Model::Base<S> Model::base(const Point<S>&, bool) const;               \
+  template S orbit(const Model::Base<S>&);                                        \
+  template S nasal(const Model::Base<S>&);                                        \
+  template S Model::skin(const Model::Base<S>&) const;                            \
+  template S Model::skull(const Model::Base<S>&, const S&, const S&, bool) const; \
+  template S Model::teeth(const Point<S>&) const;                                 \
+  template S Model::brain(const Model::Base<S>&) const;                           \
+  template S Model::bone_hull(const Point<S>&, const S&) const;                   \
+  template Point<S> Model::shifted(const Point<S>&) const;                        \
+  template S Model::brain_clipped(const Model::Base<S>&) const;                   \
+  template S Model::ventricles(const Point<S>&) const;                            \
+  template S Model::passages(const Point<S>&) const;                              \
   template S Model::solid(Anatomy, const Point<S>&) const;
 TREPHINE_INSTANTIATE(double)
 TREPHINE_INSTANTIATE(Dual)

@@ -120,13 +120,13 @@ double suture_distance(const Model::Base<double>& base) {
   return std::max({std::min({coronal, sagittal, lambdoid}) - 0.2, 3.0 - base.vault, 35 - m.z});
 }
 
-/// Bone with all that is enclosed in it.
-void paint_bone(Brush& b, const Model& model, const Model::Base<double>& base, double bone) {
+/// Bone with all that is enclosed in it; `whole`: before it was drilled, which bares the diploe.
+void paint_bone(Brush& b, const Model& model, const Model::Base<double>& base, double bone, double whole) {
   const PointD& m = base.m;
   const double bone_cover = b.cover(bone);
   if (bone > b.width) return;
   Brush inside{b.width, cortical, b.clearance};
-  inside.paint(diploe, bone + table_mm);
+  inside.paint(diploe, whole + table_mm);
   const double wall = bone + 2.3;
   static const ShapeBounds sinuses{{0, -90, -31}, {32, -11, 53}, 0.75, 0}, teeth{{0, -96, -68}, {36, -50, -32}, 1, 4};
   if (inside.reaches(sinuses.at_least(m) - 1.2)) {
@@ -174,7 +174,7 @@ Head::Sample Head::sample(Vec3 lps, double width_mm) const {
       if (base.cavity < under_bone_mm + width_mm) paint_brain(b, model, base, base.cavity - under);
       b.clearance = std::min(b.clearance, std::fabs(base.cavity));
       const double bone = model.skull(base, orbit, nasal);
-      paint_bone(b, model, base, bone);
+      paint_bone(b, model, base, bone, model.implants.empty() ? bone : model.skull(base, orbit, nasal, true));
     }
   }
   for (const Vec3& filling : model.fillings) {
