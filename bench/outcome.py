@@ -111,7 +111,7 @@ def main():
     seeds = [int(s) for s in (sys.argv[5] if len(sys.argv) > 5 else "3,21,34").split(",")]
     folder.mkdir(parents=True, exist_ok=True)
     tips, axes, places, stated, holes, doubtful, missed, wrong, false = [], [], [], [], [], [], [], [], []
-    bad_and_sure, moved = [], []
+    bad_and_sure, widths = [], []
     print("| scan | slices mm | tip mm | axis deg | registration at the tip mm | stated mm | hole mm | width off mm | found | CPU s |")
     print("|---|---|---|---|---|---|---|---|---|---|")
     for kind, n in [("catheter", n) for n in range(count)] + [("without", n) for n in range(without)]:
@@ -166,7 +166,9 @@ def main():
                 h = min(r["holes"], key=lambda h: off(h["outer_mm"], put_in[0]["hole_mm"]))
                 cells[4] = f"{off(h['outer_mm'], put_in[0]['hole_mm']):.2f}"
                 cells[5] = f"{h['diameter_mm'] - put_in[0]['hole_diameter_mm']:+.1f}"
-                holes.append(float(cells[4]))
+                cells[5] += "" if h["confidence"] >= 0.5 else " (doubtful)"
+                if h["confidence"] >= 0.5:
+                    holes.append(float(cells[4])), widths.append(h["diameter_mm"] - put_in[0]["hole_diameter_mm"])
                 if h["side"] != put_in[0]["side"]:
                     wrong.append(name + " hole")
             else:
@@ -178,10 +180,13 @@ def main():
         if values:
             print(f"{what}: median {percentile(values, 0.5):.2f}, 95th percentile {percentile(values, 0.95):.2f}, most {max(values):.2f}"
                   f" (of {len(values)})")
+    if widths:
+        print(f"sure holes' width off mm: {min(widths):+.2f} to {max(widths):+.2f}, median {percentile(widths, 0.5):+.2f} (of {len(widths)})")
     if stated:
         print(f"registration error within twice what was stated: {sum(p <= 2 * s for p, s in stated)} of {len(stated)}")
     print(f"doubtful or refused {len(doubtful)} {doubtful}, beyond the limits and sure {bad_and_sure}, not found {missed}, "
           f"wrong side {wrong}, found where there is none {false}")
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -61,6 +61,16 @@ std::string table_of(const lesson::OutcomeRecord& r) {
   if (g.marks_count > 0)
     out = fmt::format("registration    {}: {} marks {:.2f} mm off; {:.2f} mm expected where the procedure aims\n",
                       sighting_text(g.sighting, g.doubts), g.marks_count, g.residual_mm, g.target_error_mm);
+  if (!r.vertebrae.empty()) {
+    out += fmt::format("level           shifted by a level bone lies {:.2f} mm off; {} vertebrae lie in the scan\n",
+                       g.next_level_residual_mm, r.vertebrae.size());
+    out += fmt::format("screws          {}\n", r.screws.empty() ? "none was found" : std::to_string(r.screws.size()));
+    for (const lesson::OutcomeScrew& s : r.screws)
+      out +=
+          fmt::format("  {:<16} {}: tip {} mm (+- {:.2f}), {:.1f} mm long, {:.1f} mm wide\n", s.pedicle,
+                      sighting_text(s.sighting, s.doubts), at_text(s.tip_mm), s.error_mm, s.length_mm, s.diameter_mm);
+    return out;
+  }
   out += fmt::format("catheter        {}\n",
                      r.courses.empty() ? "none was found" : sighting_text(r.catheter, r.catheter_doubts));
   for (const lesson::OutcomeCourse& c : r.courses)
@@ -125,10 +135,13 @@ const cli::OwnCommand outcome_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "outcome";
-  c.summary = "measures what a CT after a procedure shows: catheter and burr hole, in the frame of the case";
+  c.summary =
+      "measures what a CT after a procedure shows: catheter, burr hole, pedicle screws, in the frame of the case";
   c.description =
       "Lays a CT that was made after the procedure on the case by its bone, whatever else is new in it, and finds the "
-      "catheter (course, tip) and the burr holes (place, width). --out gets outcome.json, which `trephine-sim "
+      "catheter (course, tip) and the burr holes (place, width), or in a spine pedicle screws (axis, tip, head, "
+      "diameter), "
+      "each laid by its own vertebra. --out gets outcome.json, which `trephine-sim "
       "score-outcome` judges by the rubric of the lesson, and outcome.png, slices of the case's own CT with what was "
       "found. Nothing else of the second scan is written. Another patient's scan and a mirrored one are refused (80); "
       "what may be one of several courses, or is not sure, is called doubtful and is not judged. For training and "

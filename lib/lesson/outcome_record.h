@@ -33,13 +33,13 @@ struct OutcomeRegistration {
   double residual_mm = 0, mirrored_residual_mm = 0, widening_mm = 0, overlap_ratio = 0, matched_ratio = 0,
          scale_ratio = 0;
   std::int64_t points_count = 0, marks_count = 0;
-  double target_error_mm = 0;
+  double target_error_mm = 0, next_level_residual_mm = 0;
   template <class V>
   static void describe(V& v) {
     using P = OutcomeRegistration;
     v.choice(&P::sighting, "sighting", {{"found", Sighting::found}, {"doubtful", Sighting::doubtful}},
              "Whether the scan surely lies where it is laid.");
-    v.words(&P::doubts, "doubts", "Why it is doubtful: shape, mirrored, scale, overlap, marks.");
+    v.words(&P::doubts, "doubts", "Why it is doubtful: shape, mirrored, scale, overlap, marks, level.");
     v.numbers(&P::transform, "transform", Range{-1e5, 1e5},
               "Rows of the matrix from a place of the case to the scan, each with its offset, mm.");
     v.number(&P::residual_mm, "residual_mm", Range{0, 1e3},
@@ -56,6 +56,9 @@ struct OutcomeRegistration {
         .not_always();
     v.number(&P::target_error_mm, "target_error_mm", Range{0, 1e3},
              "Of marks: the expected error where the procedure aims, the largest of the targets.")
+        .not_always();
+    v.number(&P::next_level_residual_mm, "next_level_residual_mm", Range{0, 1e3},
+             "Of a spine: residual_mm where every vertebra is shifted by a level or more, the best of these.")
         .not_always();
   }
 };
@@ -108,6 +111,54 @@ struct OutcomeCourse {
   }
 };
 
+/// A vertebra, laid by its own bone.
+struct OutcomeVertebra {
+  std::int64_t number = 0;
+  std::array<double, 12> transform{};
+  double residual_mm = 0;
+  std::int64_t points_count = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = OutcomeVertebra;
+    v.integer(&P::number, "number", Range{0, 99}, "As the case's pedicles count.");
+    v.numbers(&P::transform, "transform", Range{-1e5, 1e5},
+              "Rows of the matrix from a place of the case to the scan, each with its offset, mm.");
+    v.number(&P::residual_mm, "residual_mm", Range{0, 1e3}, "How far its bone lies off, as of the whole.");
+    v.integer(&P::points_count, "points_count", Range{0, 1e9}, "Places of the bone by which it was laid.");
+  }
+};
+
+/// A screw in a vertebra, or a needle, where it lies in the case.
+struct OutcomeScrew {
+  std::string kind = "screw", pedicle;
+  Sighting sighting = Sighting::doubtful;
+  std::vector<std::string> doubts;
+  Vec3 tip_mm, head_mm, entry_mm, axis;
+  double length_mm = 0, diameter_mm = 0, bend_mm = 0, pedicle_off_mm = 0, error_mm = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = OutcomeScrew;
+    v.word(&P::kind, "kind", {"screw", "needle"}, "A needle has no head, is thin and leads out of the patient.");
+    v.text(&P::pedicle, "pedicle", "The pedicle that it passes nearest, as the case names it.").is_required();
+    v.choice(&P::sighting, "sighting", {{"found", Sighting::found}, {"doubtful", Sighting::doubtful}},
+             "Whether it is surely a screw, and surely there.");
+    v.words(&P::doubts, "doubts",
+            "Why it is doubtful: registration, vertebra, scale, no_head, scan_ends, no_rod, no_pedicle, two_pedicles, "
+            "backwards.");
+    v.numbers(&P::tip_mm, "tip_mm", Range{-1e5, 1e5}, "Its tip.");
+    v.numbers(&P::head_mm, "head_mm", Range{-1e5, 1e5},
+              "Where its head begins, on its axis; of a needle where the metal ends.");
+    v.numbers(&P::entry_mm, "entry_mm", Range{-1e5, 1e5}, "Where its axis enters the case's bone.");
+    v.numbers(&P::axis, "axis", Range{-1.000001, 1.000001}, "Of length 1, towards the tip.");
+    v.number(&P::length_mm, "length_mm", Range{0, 1e4}, "From there to the tip.");
+    v.number(&P::diameter_mm, "diameter_mm", Range{0, 100}, "Of the shaft.");
+    v.number(&P::bend_mm, "bend_mm", Range{0, 1e3}, "How far its middle lies off the axis at most.");
+    v.number(&P::pedicle_off_mm, "pedicle_off_mm", Range{0, 1e3}, "How far its axis passes the middle of the pedicle.");
+    v.number(&P::error_mm, "error_mm", Range{0, 1e3},
+             "Standard error of the vertebra's registration at the tip, by leaving parts of its bone out.");
+  }
+};
+
 struct OutcomeRecord {
   int trephine_outcome = 1;
   std::string case_token, case_sha256, series_sha256, program;
@@ -117,6 +168,8 @@ struct OutcomeRecord {
   std::vector<OutcomeCourse> courses;
   std::vector<OutcomeHole> holes;
   bool holes_beforehand = false;
+  std::vector<OutcomeVertebra> vertebrae;
+  std::vector<OutcomeScrew> screws;
   template <class V>
   static void describe(V& v) {
     using P = OutcomeRecord;
@@ -138,6 +191,8 @@ struct OutcomeRecord {
     v.list(&P::holes, "holes", "Gaps of the bone that the case does not have, the largest first.");
     v.flag(&P::holes_beforehand, "holes_beforehand",
            "The case was drilled before: holes there cannot be known from those of the procedure.");
+    v.list(&P::vertebrae, "vertebrae", "Of a spine: the vertebrae that lie in the scan, from the lowest.").not_always();
+    v.list(&P::screws, "screws", "Of a spine: screws and needles, by pedicle.").not_always();
   }
 };
 

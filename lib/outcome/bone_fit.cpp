@@ -12,7 +12,7 @@
 namespace trephine::outcome {
 namespace {
 
-constexpr double bone_hu = 300;  ///< the edge of bone in the scan
+constexpr double metal_hu = 2600;  ///< an edge beside it is not known
 constexpr double air_hu = -500;
 constexpr double coarse_mm = 3;         ///< cells of the map of distances
 constexpr double far_mm = 9;            ///< distances count at most so much on it
@@ -56,7 +56,7 @@ struct DistanceMap {
   Vec3 middle_mm;  ///< of the bone
   explicit DistanceMap(const ScanView& scan, const Progress& progress) {
     const mask::CoarseRaster raster = mask::coarse_raster(scan.lattice(), coarse_mm);
-    const mask::BitMask bone = mask::coarse_mask(mask::above(scan.voxels(), bone_hu), raster, 0.25);
+    const mask::BitMask bone = mask::coarse_mask(mask::above(scan.voxels(), float(scan.bone_hu())), raster, 0.25);
     middle_mm = bone.centre_mm();
     mm = mask::distance_mm(bone, progress);
   }
@@ -125,6 +125,7 @@ Placed descended(const std::vector<BonePoint>& points, const DistanceMap& distan
 enum class Edge { beyond, none, found };
 Edge edge_along(const ScanView& scan, Vec3 p, Vec3 out, double radius_mm, double& off_mm) {
   const int steps = int(std::lround(radius_mm / step_mm));
+  const double bone_hu = scan.bone_hu();
   double best = 1e9, before = scan(p - out * (steps * step_mm)), most = before;
   if (before <= ScanView::beyond_hu / 2) return Edge::beyond;
   for (int n = -steps + 1; n <= steps; ++n) {
@@ -137,7 +138,7 @@ Edge edge_along(const ScanView& scan, Vec3 p, Vec3 out, double radius_mm, double
     before = now;
     most = std::max(most, now);
   }
-  if (most < air_hu) return Edge::beyond;  // what no slice covers is read as air
+  if (most > metal_hu || most < air_hu) return Edge::beyond;  // what no slice covers is read as air
   if (best > 1e8) return Edge::none;
   off_mm = best;
   return Edge::found;
@@ -253,7 +254,8 @@ BoneFit refined_fit(const std::vector<BonePoint>& points, const ScanView& scan, 
   return judged(points, scan, map);
 }
 
-std::optional<BoneFit> fit_bone(const std::vector<BonePoint>& points, const ScanView& scan, const Progress& progress) {
+std::optional<BoneFit> fit_bone(const std::vector<BonePoint>& points, const ScanView& scan, const Progress& progress,
+                                const std::vector<double>& up_mm) {
   if (points.size() < 200) return {};
   std::vector<BonePoint> some;
   const std::size_t each = std::max<std::size_t>(1, points.size() / coarse_points);
@@ -264,7 +266,7 @@ std::optional<BoneFit> fit_bone(const std::vector<BonePoint>& points, const Scan
   const Vec3 turns[] = {{0, 0, 0}, {25, 0, 0}, {-25, 0, 0}, {0, 25, 0}, {0, -25, 0}, {0, 0, 25}, {0, 0, -25}};
   for (const Vec3& turn : turns) {
     progress.check();
-    for (const double up : {0.0, 35.0, -35.0, 70.0, -70.0}) {
+    for (const double up : up_mm) {
       const itk::LinearMap start = rotated(turn * degree, distances.middle_mm - middle + Vec3{0, 0, up}, middle);
       found.push_back(descended(some, distances, start));
     }

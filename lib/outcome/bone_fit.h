@@ -25,9 +25,11 @@ struct BoneFit {
 /// normal to the edge of bone in the scan between its voxels, outer and inner tables alike, and with one width by
 /// which all bone is wider, so that another kernel, thickness of slices or edge of bone shifts nothing. What has no
 /// edge nearby (new holes) does not count, and what is far off (metal, what was cut) counts less (Tukey's weights).
-/// Nothing where too little of the bone lies in the scan for that. Cancelled.
+/// Nothing where too little of the bone lies in the scan for that. It begins with middle on middle, shifted along z by
+/// each of `up_mm`. Cancelled.
 std::optional<BoneFit> fit_bone(const std::vector<BonePoint>& points, const ScanView& scan,
-                                const Progress& progress = {});
+                                const Progress& progress = {},
+                                const std::vector<double>& up_mm = {0, 35, -35, 70, -70});
 
 /// fit_bone() from a place that is nearly right.
 BoneFit refined_fit(const std::vector<BonePoint>& points, const ScanView& scan, const itk::LinearMap& from);

@@ -23,7 +23,8 @@ std::vector<BonePoint> bone_points(const voxel::HapticVolume& volume, int bone, 
 /// A scan as HU between its voxels.
 class ScanView {
  public:
-  explicit ScanView(const grid::HuVolume& volume) : hu_(volume) {}
+  /// `bone_hu`: the edge of bone.
+  explicit ScanView(const grid::HuVolume& volume, double bone_hu = 300) : hu_(volume), bone_hu_(bone_hu) {}
   static constexpr double beyond_hu = -30000;
   /// beyond_hu where the scan does not reach.
   double operator()(Vec3 lps_mm) const {
@@ -32,11 +33,13 @@ class ScanView {
         grid::value_beyond(beyond_hu));
     return v;
   }
+  double bone_hu() const { return bone_hu_; }
   const mask::HuView& voxels() const { return hu_; }
   const grid::Lattice& lattice() const { return hu_.lattice(); }
 
  private:
   mask::HuView hu_;
+  double bone_hu_;
 };
 
 }  // namespace trephine::outcome

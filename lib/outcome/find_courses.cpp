@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "outcome/find_courses.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "base/pi.h"
 #include "mask/filters.h"
+#include "outcome/line.h"
 
 namespace trephine::outcome {
 namespace {
@@ -21,14 +21,6 @@ constexpr double thick_ratio = 2;   ///< more is bone, or something else
 constexpr double most_width_mm = 6.5;
 constexpr double cap_mm = 0.3;     ///< by which a rounded end of 2.5 mm is farther out than a flat one of its volume
 constexpr double to_bone_mm = 30;  ///< from the end that was seen to the bone at most
-
-struct Frame {
-  Vec3 u, a, b;  ///< along, and two across
-  explicit Frame(Vec3 along) : u(normalized(along)) {
-    a = normalized(cross(u, std::abs(u.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
-    b = cross(u, a);
-  }
-};
 
 /// What is denser than tissue across a line.
 struct Section {
@@ -99,51 +91,6 @@ std::vector<Step> followed(const ScanView& scan, Vec3 from, Vec3 way, double ref
     at += u * step_mm;
   }
   return steps;
-}
-
-struct Line {
-  Vec3 at_mm, way;
-  double off_mm = 0;  ///< the farthest point
-};
-Line line_through(const std::vector<Vec3>& points) {
-  Line line;
-  for (const Vec3& p : points) line.at_mm += p * (1.0 / double(points.size()));
-  Eigen::Matrix3d c = Eigen::Matrix3d::Zero();
-  for (const Vec3& p : points) {
-    const Vec3 d = p - line.at_mm;
-    const Eigen::Vector3d v(d.x, d.y, d.z);
-    c += v * v.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(c);
-  const Eigen::Vector3d v = axes.eigenvectors().col(2);
-  line.way = normalized(Vec3{v.x(), v.y(), v.z()});
-  if (dot(line.way, points.back() - points.front()) < 0) line.way = -line.way;
-  for (const Vec3& p : points) {
-    const Vec3 d = p - line.at_mm;
-    line.off_mm = std::max(line.off_mm, norm(d - line.way * dot(d, line.way)));
-  }
-  return line;
-}
-
-/// Of a component's voxels: its middle, direction, length and standard deviation across.
-struct Rod {
-  Line line;
-  double length_mm = 0, across_mm = 0;
-};
-Rod rod_of(const std::vector<Vec3>& points) {
-  Rod rod;
-  rod.line = line_through(points);
-  double low = 0, high = 0, sum = 0;
-  for (const Vec3& p : points) {
-    const Vec3 d = p - rod.line.at_mm;
-    const double along = dot(d, rod.line.way);
-    low = std::min(low, along), high = std::max(high, along);
-    const double across = norm(d - rod.line.way * along);
-    sum += across * across;
-  }
-  rod.length_mm = high - low;
-  rod.across_mm = std::sqrt(sum / double(points.size()));
-  return rod;
 }
 
 // Where what is dense across the course drops to half beyond its last steps, from the last but some on.

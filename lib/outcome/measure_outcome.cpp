@@ -10,9 +10,11 @@
 #include "base/refusal.h"
 #include "mask/filters.h"
 #include "outcome/bone_fit.h"
+#include "outcome/case_spine.h"
 #include "outcome/find_courses.h"
 #include "outcome/find_made_holes.h"
 #include "outcome/marks.h"
+#include "outcome/measure_spine.h"
 
 namespace trephine::outcome {
 namespace {
@@ -158,6 +160,7 @@ void judge_catheter(lesson::OutcomeRecord& r) {
 lesson::OutcomeRecord measure_outcome(const cases::LoadedCase& loaded, const grid::HuVolume& scan,
                                       const OutcomeParams& params, const Progress& progress,
                                       const print::PrintRecord* print) {
+  if (is_spine(loaded) && !print) return measure_spine(loaded, scan, params, progress);
   const CaseHead head(loaded, progress.part(0, 0.1));
   const ScanView view(scan);
   const Laid laid = print ? laid_by_marks(loaded, view, *print, params, progress.part(0.1, 0.75))

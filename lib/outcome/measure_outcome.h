@@ -12,7 +12,7 @@ namespace trephine::outcome {
 struct OutcomeParams {
   double doubtful_residual_mm = 0.3, largest_residual_mm = 0.5;
   double doubtful_scale_ratio = 0.008, largest_scale_ratio = 0.02;
-  double mirrored_ratio = 1.3, least_matched_ratio = 0.7, least_overlap_ratio = 0.3;
+  double mirrored_ratio = 1.3, level_ratio = 1.3, least_matched_ratio = 0.7, least_overlap_ratio = 0.3;
   double doubtful_marks_mm = 0.4, largest_marks_mm = 0.8;
   template <class V>
   static void describe(V& v) {
@@ -26,6 +26,8 @@ struct OutcomeParams {
     v.number(&P::mirrored_ratio, "mirrored_ratio", Range{1, 10},
              "The mirrored case must lie so many times worse, or the scan may be mirrored: doubtful; where it lies "
              "better by as much, refused.");
+    v.number(&P::level_ratio, "level_ratio", Range{1, 10},
+             "Vertebrae that are shifted by a level must lie so many times worse, or the level is doubtful.");
     v.number(&P::least_matched_ratio, "least_matched_ratio", Range{0, 1},
              "Share of the bone in the scan that must have an edge of bone within 2 mm.");
     v.number(&P::least_overlap_ratio, "least_overlap_ratio", Range{0.2, 1},
@@ -43,10 +45,10 @@ struct OutcomeParams {
 };
 
 /// Lays a scan after a procedure on the case by its bone, or by the marks of a print of it where that is given, and
-/// measures what was put in and drilled. The record lacks
-/// the hashes and the program's name. The same bytes whatever the thread count. Throws Error 65 where the case has no
-/// skull and brain to be felt, or the print is another case's by name; 80 where the scan shows another head, a mirrored
-/// one, or too little of it; Cancelled.
+/// measures what was put in and drilled: in a head catheters and burr holes, in a spine pedicle screws. The record
+/// lacks the hashes and the program's name. The same bytes whatever the thread count. Throws Error 65 where the case
+/// has neither skull and brain nor bone with pedicles to be felt, or the print is another case's by name; 80 where the
+/// scan shows another head, a mirrored one, or too little of it; Cancelled.
 lesson::OutcomeRecord measure_outcome(const cases::LoadedCase& loaded, const grid::HuVolume& scan,
                                       const OutcomeParams& params, const Progress& progress = {},
                                       const print::PrintRecord* print = nullptr);

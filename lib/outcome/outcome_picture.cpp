@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/pi.h"
+#include "cases/pedicles.h"
 #include "picture/slice.h"
 
 namespace trephine::outcome {
@@ -13,7 +14,9 @@ namespace {
 constexpr int side_px = 520;
 constexpr double near_slice_mm = 3;  ///< what lies farther off is drawn fainter
 using Rgb = picture::Rgb;
-constexpr Rgb course_rgb{1, 0.55, 0.1}, other_rgb{0.9, 0.3, 0.9}, hole_rgb{0.25, 0.75, 1}, target_rgb{1, 0.2, 0.2};
+constexpr Rgb course_rgb{1, 0.55, 0.1}, other_rgb{0.9, 0.3, 0.9}, hole_rgb{0.25, 0.75, 1}, target_rgb{1, 0.2, 0.2},
+    ideal_rgb{0.3, 1, 0.4};
+constexpr std::size_t most_screws = 6;
 
 void dot_at(picture::Image& image, double x, double y, double radius, const Rgb& colour, double share) {
   for (int j = int(y - radius - 1); j <= int(y + radius + 1); ++j)
@@ -31,12 +34,14 @@ class Sheet {
   Sheet(const cases::LoadedCase& loaded, const lesson::OutcomeRecord& record) : volume_(loaded.ct), record_(record) {
     for (const cases::CaseTarget& t : loaded.manifest.targets)
       if (t.name == "monro_left" || t.name == "monro_right") targets_.push_back(t.position_mm);
+    if (!record.screws.empty()) pedicles_ = cases::pedicles_of(loaded.manifest);
   }
   picture::Image through(Vec3 p, picture::SlicePlane plane, const std::string& note) const {
     picture::SliceParams params;
     params.plane = plane;
     params.longer_side_px = side_px;
     params.window_center_hu = 100, params.window_width_hu = 500;
+    if (!record_.screws.empty()) params.window_center_hu = 400, params.window_width_hu = 1600;
     const int axis = plane == picture::SlicePlane::axial ? 2 : plane == picture::SlicePlane::coronal ? 1 : 0;
     const auto range = picture::slice_range_mm(grid::lattice_of(volume_), plane);
     params.position_mm = std::clamp(p[axis], range[0] + 1e-6, range[1] - 1e-6);
@@ -63,6 +68,22 @@ class Sheet {
                c == 0 ? course_rgb : other_rgb);
       draw(course.tip_mm, 3.5, c == 0 ? course_rgb : other_rgb);
     }
+    const auto line = [&](Vec3 a, Vec3 b, double radius, const Rgb& colour) {
+      const int parts = int(norm(b - a) / 0.3) + 1;
+      for (int n = 0; n <= parts; ++n) draw(a + (b - a) * (double(n) / parts), radius, colour);
+    };
+    for (const cases::CasePedicle& p : pedicles_) line(p.entry_mm, p.target_mm, 0.8, ideal_rgb);
+    for (const lesson::OutcomeScrew& s : record_.screws) {
+      const Rgb& colour = s.sighting == lesson::Sighting::found ? course_rgb : other_rgb;
+      const Vec3 a = normalized(cross(s.axis, std::abs(s.axis.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0})),
+                 b = cross(s.axis, a);
+      for (int n = 0; n < 6; ++n) {  // its side, and its axis
+        const Vec3 off = (a * std::cos(2 * pi * n / 6) + b * std::sin(2 * pi * n / 6)) * (0.5 * s.diameter_mm);
+        line(s.head_mm + off, s.tip_mm + off, 0.5, colour);
+      }
+      line(s.head_mm, s.tip_mm, 0.8, colour);
+      draw(s.tip_mm, 3, colour);
+    }
     for (const Vec3& t : targets_)
       for (int n = 0; n < 60; ++n)
         draw(t + at.right * (4 * std::cos(2 * pi * n / 60)) + at.down * (4 * std::sin(2 * pi * n / 60)), 0.8,
@@ -74,15 +95,21 @@ class Sheet {
   grid::HuVolume volume_;
   const lesson::OutcomeRecord& record_;
   std::vector<Vec3> targets_;
+  std::vector<cases::CasePedicle> pedicles_;
 };
 
 }  // namespace
 
 picture::Image outcome_picture(const cases::LoadedCase& loaded, const lesson::OutcomeRecord& record) {
-  if (!loaded.has_ct() || (record.courses.empty() && record.holes.empty())) return {};
+  if (!loaded.has_ct() || (record.courses.empty() && record.holes.empty() && record.screws.empty())) return {};
   const Sheet sheet(loaded, record);
   std::vector<picture::Image> cells;
   using picture::SlicePlane;
+  for (std::size_t n = 0; n < std::min(most_screws, record.screws.size()); ++n) {
+    const lesson::OutcomeScrew& s = record.screws[n];
+    for (const SlicePlane plane : {SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal})
+      cells.push_back(sheet.through(s.head_mm * 0.5 + s.tip_mm * 0.5, plane, s.pedicle));
+  }
   if (!record.courses.empty())
     for (const SlicePlane plane : {SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal})
       cells.push_back(sheet.through(record.courses.front().tip_mm, plane, "tip of the course"));

@@ -16,7 +16,9 @@ struct ScoreOutcomeParams {
   static void describe(V& v) {
     using P = ScoreOutcomeParams;
     v.text(&P::participant, "participant", "Whose procedure it was: a token (a-z, 0-9, _ and -), never a name.");
-    v.text(&P::task, "task", "What was asked for, such as right; empty: the side on which it was done.");
+    v.text(&P::task, "task",
+           "What was asked for, such as right or pedicle_2_left; empty: what was done. Of several screws it names "
+           "one.");
     v.choice(&P::language, "language", texts::languages(), "Language of the page and of the table.");
   }
 };
@@ -42,8 +44,8 @@ const cli::OwnCommand score_outcome_command([] {
   c.name = "score-outcome";
   c.summary = "judges what a CT after a procedure shows by the rubric of the lesson";
   c.description =
-      "Takes outcome.json, which `trephine outcome` measured on a CT after a ventriculostomy, and scores it by the "
-      "same "
+      "Takes outcome.json, which `trephine outcome` measured on a CT after a ventriculostomy or with pedicle screws, "
+      "and scores it by the same "
       "functions and the same rubric as a recorded lesson, in the anatomy of the case. What a CT does not show (traces "
       "of landmarks, time, passes) is not judged, and neither is what was found doubtfully. The report is one that "
       "`study` and `group` read beside those of lessons. For training and research; not for clinical use.";

@@ -123,8 +123,11 @@ struct LessonType {
                             const AnyParams&)>
       score;
 
-  /// What a CT after a procedure shows as this lesson's facts, so that score() judges it; empty: no CT shows enough.
-  std::function<std::shared_ptr<LessonFacts>(const lesson::OutcomeRecord&, const cases::LoadedCase&)> facts_of_outcome;
+  /// What a CT after a procedure shows as this lesson's facts, so that score() judges it, with the name of the task or
+  /// ""; empty: no CT shows enough. Throws Error 64 where the task must be named.
+  std::function<std::shared_ptr<LessonFacts>(const lesson::OutcomeRecord&, const cases::LoadedCase&,
+                                             const std::string& task)>
+      facts_of_outcome;
 
   /// The same of the volume as it was drilled in another program; empty: it does not show enough.
   std::function<std::shared_ptr<LessonFacts>(const cases::LoadedCase&, const voxel::HapticVolume& now)> facts_of_volume;

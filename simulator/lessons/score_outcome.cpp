@@ -20,7 +20,7 @@ ScoredLesson score_outcome(const std::filesystem::path& file, const std::filesys
     throw Error(ExitCode::usage, "", "--rubric",
                 "is of " + rubric.module +
                     ", of which a CT after the procedure is not judged; give that of a "
-                    "ventriculostomy");
+                    "ventriculostomy, a pedicle screw or a needle in the spine");
   const cases::HashedCase read = cases::load_hashed_case(case_folder);
   if (record.case_sha256 != read.sha256)
     throw Error(ExitCode::bad_input, file.string(), "case_sha256",
@@ -28,8 +28,9 @@ ScoredLesson score_outcome(const std::filesystem::path& file, const std::filesys
                     "); measure it again in this case by trephine outcome");
   with_file(case_folder.string(), [&] { type.require(read.loaded.manifest); });
   ScoredLesson s;
-  const std::shared_ptr<LessonFacts> facts = type.facts_of_outcome(record, read.loaded);
-  if (!task.empty()) facts->task = task_of(type, read.loaded.manifest, task).name;
+  const std::string asked = task.empty() ? "" : task_of(type, read.loaded.manifest, task).name;
+  const std::shared_ptr<LessonFacts> facts = type.facts_of_outcome(record, read.loaded, asked);
+  facts->task = asked;
   s.facts = facts;
   s.score = type.score(*s.facts, read.loaded, read.loaded.haptic, rubric.rubric);
   for (ScoreRow& row : s.score.rows) row.decided_s.reset();  // a CT has no moments

@@ -6,6 +6,7 @@
 #include "lessons/spine/five_errors_score.h"
 #include "lessons/spine/spine_critical.h"
 #include "lessons/spine/spine_report.h"
+#include "lessons/spine/spine_scan.h"
 
 namespace trephine::lessons {
 namespace {
@@ -64,10 +65,13 @@ LessonType pedicle_screw_lesson() {
     return score_five_errors(static_cast<const SpineNeedleFacts&>(facts), loaded.manifest, before,
                              rubric.as<PedicleScrewRubric>(), JudgedTool::screw);
   };
-  m.outcome = [](const LessonFacts&, const LessonScore& score) {
+  m.facts_of_outcome = screw_facts_of_scan;
+  m.outcome = [](const LessonFacts& facts, const LessonScore& score) {
+    const texts::Phrase unseen = unseen_in_scan(static_cast<const SpineNeedleFacts&>(facts));
+    if (!unseen.empty()) return unseen;
     const bool graded = score.known("gertzbein_grade");
     return texts::Phrase("passes: {}, errors: {}, {}, grade {}",
-                         {std::to_string(score.count("passes_count")),
+                         {facts.from_scan ? "not judged" : std::to_string(score.count("passes_count")),
                           score.known("errors_count") ? std::to_string(score.count("errors_count")) : "not judged",
                           !score.flag("screw_in_bone") ? "no screw lies in bone"
                           : !score.known("acceptable") ? "the pedicle is doubtful"

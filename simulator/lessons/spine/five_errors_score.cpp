@@ -9,6 +9,7 @@
 #include "lessons/spine/spine_advice.h"
 #include "lessons/spine/spine_critical.h"
 #include "lessons/spine/spine_rows.h"
+#include "lessons/spine/spine_scan.h"
 
 namespace trephine::lessons {
 namespace {
@@ -72,7 +73,7 @@ void push_effort_rows(const SpineNeedleFacts& facts, const cases::CaseManifest& 
   };
   if (r.exposure_s) {
     ScoreRow row = exposure_row(facts, *r.exposure_s, nowhere);
-    if (facts.shots.empty() && manifest.ct.file.empty()) {  // nobody could have taken one
+    if (facts.shots.empty() && manifest.ct.file.empty() && !facts.from_scan) {  // nobody could have taken one
       row.score.reset();
       row.why = "the case holds no CT";
     }
@@ -80,7 +81,8 @@ void push_effort_rows(const SpineNeedleFacts& facts, const cases::CaseManifest& 
   }
   if (r.passes_count) {
     ScoreRow row = bone_passes_row(facts, *r.passes_count, "Passes through bone", r.insertion_mm_per_s, nowhere);
-    if (screw && is_screw(*screw) && r.finder_ratio && !finder_led(facts, *screw, r.finder_ratio->limit))
+    if (screw && is_screw(*screw) && !facts.from_scan && r.finder_ratio &&
+        !finder_led(facts, *screw, r.finder_ratio->limit))
       lower(row, 1, "no finder went before the screw", screw->begin_s);
     push(row);
   }
@@ -131,6 +133,8 @@ LessonScore score_five_errors(const SpineNeedleFacts& facts, const cases::CaseMa
       doubt = doubtful(pedicle_phrase(p.name));
       none.clear();  // a case that does not know counts for nobody
     }
+  const texts::Phrase unseen = unseen_in_scan(facts);
+  if (!unseen.empty()) doubt = unseen, none.clear();
   LessonScore score;
   const char* const too_short = pass && none.empty() && doubt.empty() && e.depth_mm < -reach_mm
                                     ? "the tip does not reach the vertebra's body"
@@ -141,6 +145,7 @@ LessonScore score_five_errors(const SpineNeedleFacts& facts, const cases::CaseMa
   // What our rows beside the five errors are judged by: who stops short of the body has placed no screw.
   const std::string nowhere = !pass ? say.nowhere : !none.empty() ? none : too_short;
   score.unreached = facts.end != LessonEnd::finished ? name_of(facts.end)
+                    : !unseen.empty()                ? unseen
                     : !pass                          ? say.nowhere
                     : !none.empty()                  ? say.it_is + none
                     : *too_short                     ? too_short
@@ -208,13 +213,13 @@ LessonScore score_five_errors(const SpineNeedleFacts& facts, const cases::CaseMa
   const Value unknown = std::monostate();
   score.figures = {{"errors_count", judged ? Value(errors) : unknown},
                    {"acceptable", judged ? Value(acceptable) : unknown},
-                   {say.in_bone, pass != nullptr}};
+                   {say.in_bone, unseen.empty() ? Value(pass != nullptr) : unknown}};
   if (tool == JudgedTool::screw) {
     score.figures.push_back({"screw_length_mm", pass ? Value(pass->length_mm) : unknown});
     score.figures.push_back({"screw_diameter_mm", pass ? Value(pass->diameter_mm) : unknown});
   }
-  score.figures.push_back({"passes_count", int(facts.passes.size())});
-  score.figures.push_back({"shots_count", int(facts.shots.size())});
+  score.figures.push_back({"passes_count", facts.from_scan ? unknown : Value(int(facts.passes.size()))});
+  score.figures.push_back({"shots_count", facts.from_scan ? unknown : Value(int(facts.shots.size()))});
   const bool graded = pass && none.empty() && doubt.empty();
   const PedicleBreach lies = graded ? breach_in_place(*e.pedicle, *pass, before, bone) : PedicleBreach();
   const char* const walls[] = {"medial_wall_mm", "lateral_wall_mm", "upper_wall_mm", "lower_wall_mm"};  // Wall

@@ -149,7 +149,7 @@ LessonXray spine_xray(const Lesson& lesson, const cases::CaseManifest& manifest)
 
 std::string spine_pictures(const LessonFacts& lesson, const cases::LoadedCase& loaded, texts::Language language) {
   const SpineNeedleFacts& facts = own(lesson);
-  std::string out = shots_html(facts, loaded, language);
+  std::string out = facts.from_scan ? "" : shots_html(facts, loaded, language);
   const std::vector<CasePedicle> pedicles = pedicles_of(loaded.manifest);
   if (facts.passes.empty() || pedicles.empty()) return out;
   std::vector<PictureMark> marks;

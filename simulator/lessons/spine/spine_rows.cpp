@@ -17,6 +17,7 @@ ScoreRow four_limits_row(const char* name, const char* title, const lesson::Four
 
 ScoreRow exposure_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits, const texts::Phrase& nowhere) {
   ScoreRow r = four_limits_row("exposure", "Fluoroscopic exposure", limits, "s");
+  if (facts.from_scan) return r.why = not_shown(facts), r;
   r.measured = {{"exposure_s", facts.exposure_s()}, {"shots_count", double(facts.shots.size())}};
   r.score = facts.shots.empty() || !nowhere.empty() ? 1 : limits.score(facts.exposure_s());
   r.why = facts.shots.empty() ? "no picture was taken" : nowhere.empty() ? "X-rays were on" : nowhere;
@@ -32,6 +33,7 @@ int entries_count(const SpineNeedleFacts& facts) { return int(facts.passes.size(
 ScoreRow bone_passes_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits, const char* title,
                          const std::optional<lesson::FourLimits>& mm_per_s, const texts::Phrase& nowhere) {
   ScoreRow r = four_limits_row("passes", title, limits, "count");
+  if (facts.from_scan) return r.why = not_shown(facts), r;
   const int count = int(facts.passes.size()), empty = facts.empty_punctures();
   r.measured = {{"passes_count", double(count)}, {"punctures_count", double(empty)}};
   r.score = nowhere.empty() ? limits.score(entries_count(facts)) : 1;
@@ -46,6 +48,7 @@ ScoreRow bone_passes_row(const SpineNeedleFacts& facts, const lesson::FourLimits
 ScoreRow spine_time_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits,
                         const texts::Phrase& unreached) {
   ScoreRow r = four_limits_row("time", "Time to complete procedure", limits, "s");
+  if (facts.from_scan) return r.why = not_shown(facts), r;
   const double time_s = facts.procedure_s();
   r.measured = {{"procedure_s", time_s}};
   if (facts.paused_s > 0) r.measured.emplace_back("paused_s", facts.paused_s);

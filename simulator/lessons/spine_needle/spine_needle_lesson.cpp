@@ -6,6 +6,7 @@
 #include "lessons/spine/spine_critical.h"
 #include "lessons/spine/spine_moves.h"
 #include "lessons/spine/spine_report.h"
+#include "lessons/spine/spine_scan.h"
 #include "lessons/spine_needle/spine_needle_score.h"
 
 namespace trephine::lessons {
@@ -23,6 +24,8 @@ std::vector<haptics::BeltToolParams> spine_needle_tools() {
 
 const SpineNeedleFacts& own(const LessonFacts& facts) { return static_cast<const SpineNeedleFacts&>(facts); }
 texts::Phrase outcome(const LessonFacts& facts, const LessonScore& score) {
+  if (const texts::Phrase unseen = unseen_in_scan(own(facts), true); !unseen.empty()) return unseen;
+  if (facts.from_scan) return score.flag("in_bone") ? "the needle lies in bone" : "the needle lies in no bone";
   return {"needle passes: {}, exposure {} s in {} shots, {}",
           {std::to_string(score.count("passes_count")), fmt::format("{:.1f}", own(facts).exposure_s()),
            std::to_string(score.count("shots_count")),
@@ -79,7 +82,9 @@ LessonType spine_needle_lesson() {
   };
   m.facts_json = spine_facts_json;
   m.outcome = outcome;
+  m.facts_of_outcome = needle_facts_of_scan;
   m.headline = [](const LessonFacts& facts, const LessonScore& score) {
+    if (facts.from_scan) return outcome(facts, score);
     return texts::Phrase("passes of the needle: {} · X-rays {} s",
                          {std::to_string(score.count("passes_count")), fmt::format("{:.1f}", own(facts).exposure_s())});
   };

@@ -9,6 +9,7 @@
 #include "lessons/spine/spine_advice.h"
 #include "lessons/spine/spine_critical.h"
 #include "lessons/spine/spine_rows.h"
+#include "lessons/spine/spine_scan.h"
 
 namespace trephine::lessons {
 namespace {
@@ -95,9 +96,11 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const cases::CaseM
   for (const CasePedicle& p : pedicles)
     if (p.name == facts.task && p.confidence < r.least_confidence_ratio.limit)
       rows.doubt = doubtful(pedicle_phrase(p.name));
+  const texts::Phrase unseen = unseen_in_scan(facts, true);
+  if (!unseen.empty()) rows.doubt = unseen;
   LessonScore score;
   const std::string nowhere = rows.nowhere(bone);
-  score.unreached = rows.unreached(nowhere);
+  score.unreached = unseen.empty() ? texts::Phrase(rows.unreached(nowhere)) : unseen;
   CriticalErrors errors(r.critical_errors, score);
   note_spine_errors(facts, manifest, before, r.farthest_mm.limit, errors);
   // Nor did anybody save or spare anything who did harm.
@@ -140,7 +143,7 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const cases::CaseM
     else if (any)
       breach.decided_s = facts.passes.back().end_s;
   } else {
-    breach.why = doubtful("the pedicle");
+    breach.why = !unseen.empty() ? unseen : doubtful("the pedicle");
   }
   score.rows.push_back(breach);
 
@@ -165,9 +168,9 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const cases::CaseM
   }
   using Value = decltype(LessonFigure::value);
   const Value unknown = std::monostate();
-  score.figures = {{"passes_count", int(facts.passes.size())},
-                   {"shots_count", int(facts.shots.size())},
-                   {"in_bone", rows.pass != nullptr},
+  score.figures = {{"passes_count", facts.from_scan ? unknown : Value(int(facts.passes.size()))},
+                   {"shots_count", facts.from_scan ? unknown : Value(int(facts.shots.size()))},
+                   {"in_bone", unseen.empty() ? Value(rows.pass != nullptr) : unknown},
                    {"at_pedicle", judged},
                    {"breached", breach_judged ? Value(worst.depth_mm > 0) : unknown},
                    {"medial", breach_judged ? Value(worst.side == "medial") : unknown},

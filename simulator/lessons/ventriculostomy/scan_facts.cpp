@@ -49,7 +49,8 @@ std::optional<CatheterPass> pass_of(const lesson::OutcomeCourse& course, const v
 
 }  // namespace
 
-std::shared_ptr<LessonFacts> facts_of_scan(const lesson::OutcomeRecord& record, const cases::LoadedCase& loaded) {
+std::shared_ptr<LessonFacts> facts_of_scan(const lesson::OutcomeRecord& record, const cases::LoadedCase& loaded,
+                                           const std::string&) {
   auto facts = std::make_shared<VentriculostomyFacts>();
   facts->from_scan = true;
   facts->end = LessonEnd::finished;
