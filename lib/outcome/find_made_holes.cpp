@@ -23,6 +23,7 @@ constexpr double grid_mm = 0.5, beside_mm = 5;
 constexpr int directions = 48;
 constexpr double wide_mm = 1;                         ///< of a gap behind its wall: less is a pit of the bone
 constexpr double round_mm = 0.4, round_ratio = 0.08;  ///< off a circle at the median: more is none
+constexpr double open_ratio = 0.8;                    ///< of the radius, within which a hole is looked at
 constexpr double doubtful = 0.4;
 constexpr double least_shown_ratio = 0.7;  ///< of the stretch is bone in the case's CT too, and no frontal sinus
 constexpr double scalp_mm = 2.5, air_hu = -500;
@@ -184,6 +185,21 @@ std::optional<double> usual_hu(const BoneView& view, Vec3 centre, Vec3 out, Vec3
   return double(mask::median(usual, 1000));
 }
 
+/// Whether bone is gone over most of the disc: not so within the narrow cleft around a piece that was put back.
+bool is_open(const BoneView& view, Vec3 centre, Vec3 out, Vec3 a, Vec3 b, double radius_mm, double bone_hu) {
+  int seen = 0, gone = 0;
+  const int n = int(open_ratio * radius_mm / grid_mm);
+  for (int i = -n; i <= n; ++i)
+    for (int j = -n; j <= n; ++j) {
+      if (i * i + j * j > n * n) continue;
+      const Stretch s = view.along(centre + (a * double(i) + b * double(j)) * grid_mm - out * 22, out, 34);
+      if (!s.known || s.at_course) continue;
+      ++seen;
+      gone += bone_hu - s.mean_hu > 0.5 * (bone_hu - tissue_hu);
+    }
+  return 2 * gone >= seen;
+}
+
 /// The gap about a place, by rays along one axis.
 std::optional<lesson::OutcomeHole> measured(const CaseHead& head, const BoneView& view, Vec3 outer_mm, double radius_mm,
                                             double slice_mm) {
@@ -211,6 +227,7 @@ std::optional<lesson::OutcomeHole> measured(const CaseHead& head, const BoneView
       if (!(area > 1)) return {};
       mx /= area, my /= area;
     }
+    if (!is_open(view, centre + a * mx + b * my, out, a, b, std::sqrt(area / pi), *bone_hu)) return {};
     double aa = 0, bb = 0, ab = 0;
     for (const WallPoint& w : gap.wall)
       aa += (w.x - mx) * (w.x - mx), bb += (w.y - my) * (w.y - my), ab += (w.x - mx) * (w.y - my);
