@@ -29,7 +29,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds between_poses{1}, patience{20};
 // Where this machine gave the loop no time for a while, the tool moves by more in one tick than a hand does in the few
 // ms that the server grants it. The server is then told that there was a gap, by more silence than its patience
-// (UdpParams): it takes no such motion for a device that jumped, and lets the tool in again as after any gap.
+// (UdpParams): it takes no such motion for a device that jumped, and lets the tool in again as after any gap. So it is
+// where the tool is taken away and put elsewhere: the one reading that says so may be gone before it is sent.
 constexpr double most_step_mm = 20;
 constexpr std::chrono::milliseconds gap{80};
 constexpr std::chrono::seconds first_answer{30}, longest_silence{10}, last_commands{2};
@@ -100,10 +101,9 @@ class WitnessedDevice : public Device {
     if (there && !out.silent) {
       const int command = haptics::belt_button::command(out.buttons);
       if (command != given_ && !commands_.push(given_ = command)) silent_now_ = true;  // nothing may be forgotten
-      const bool lifted = out.buttons & haptics::haptic_button::lifted;                // which may be placed anywhere
-      if (stepped_ && !lifted && norm(out.tip_mm - last_mm_) > most_step_mm)
+      if (seen_ && norm(out.tip_mm - last_mm_) > most_step_mm)
         quiet_until_.store((Clock::now() + gap).time_since_epoch(), std::memory_order_relaxed);
-      stepped_ = !lifted;
+      seen_ = true;
       last_mm_ = out.tip_mm;
       readings_.write(out);
     }
@@ -179,7 +179,7 @@ class WitnessedDevice : public Device {
   CommandQueue commands_;
   int given_ = 0, command_ = 0;  // the servo thread's; the one that is sent
   Vec3 last_mm_;                 // the servo thread's
-  bool stepped_ = false;
+  bool seen_ = false;
   std::atomic<Clock::duration> quiet_until_{Clock::duration::zero()};
   bool refused_ = false;
   std::atomic<bool> stop_{false}, silent_now_{false};
