@@ -99,20 +99,21 @@ std::vector<Seen> bone_gaps(const Inside& in, const grid::HuVolume& volume, cons
     at.push_back(met.at_mm);
     area.push_back(4 * pi / rays * out * out);
   };
+  const Vec3 middle = in.envelope.centre_mm();
   for (int n = 0; n < rays; ++n) {  // evenly over the sphere, along a spiral
     const double z = 1 - 2 * (n + 0.5) / rays, r = std::sqrt(1 - z * z), turn = pi * (3 - std::sqrt(5.0)) * n;
-    const Vec3 way{r * std::cos(turn), r * std::sin(turn), z}, middle = in.envelope.centre_mm();
+    const Vec3 way{r * std::cos(turn), r * std::sin(turn), z};
     if (in.place.sure ? in.place.to_template(middle + way * 70).z >= min_up_mm + 20 : z >= 0.35)
       look(middle, way, reach_mm);
   }
   const std::size_t of_vault = at.size();
   if (in.place.sure) {
-    const Vec3 middle = in.place.to_lps(cerebellum_mm);
+    const Vec3 cerebellum = in.place.to_lps(cerebellum_mm);
     for (int n = 0; n < rays; ++n) {
       const double z = 1 - 2 * (n + 0.5) / rays, r = std::sqrt(1 - z * z), turn = pi * (3 - std::sqrt(5.0)) * n;
       const Vec3 way{r * std::cos(turn), r * std::sin(turn), z};
-      const Vec3 towards = normalized(in.place.to_template(middle + way * 50) - cerebellum_mm);
-      if (towards.y > backwards && towards.z < most_up && towards.z > -most_down) look(middle, way, nape_mm);
+      const Vec3 towards = normalized(in.place.to_template(cerebellum + way * 50) - cerebellum_mm);
+      if (towards.y > backwards && towards.z < most_up && towards.z > -most_down) look(cerebellum, way, nape_mm);
     }
   }
   // Rays that lie beside each other are one gap.
