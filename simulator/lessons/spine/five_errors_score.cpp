@@ -20,8 +20,8 @@ constexpr double at_task_mm = 10;  // farther from its entry a screw is not in t
 struct Words {
   const char *nowhere, *it_is, *in_bone;  // why nothing is judged; how what is wrong with its place begins; a figure
 };
-constexpr Words screw_words{"no screw lies in bone", "the screw is ", "screw_in_bone"},
-    finder_words{"no finder lies in bone", "the finder is ", "finder_in_bone"};
+constexpr Words words_of_screw{"no screw lies in bone", "the screw is ", "screw_in_bone"},
+    words_of_finder{"no finder lies in bone", "the finder is ", "finder_in_bone"};
 
 // From b to a as they are seen in the plane of two of the vertebra's axes; both go forwards: positive where a leans
 // more to `across`.
@@ -98,7 +98,7 @@ LessonScore score_five_errors(const SpineNeedleFacts& facts, const cases::CaseMa
   const std::vector<CasePedicle> pedicles = pedicles_of(manifest);
   const int bone = spine_bone_of(manifest);
   const NeedlePass* pass = facts.final_pass();
-  const Words& say = tool == JudgedTool::screw ? screw_words : finder_words;
+  const Words& say = tool == JudgedTool::screw ? words_of_screw : words_of_finder;
   if (pass && is_screw(*pass) != (tool == JudgedTool::screw)) pass = nullptr;
   NeedleErrors e;
   PedicleBreach breach;
