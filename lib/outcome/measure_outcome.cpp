@@ -15,6 +15,7 @@
 #include "outcome/find_made_holes.h"
 #include "outcome/marks.h"
 #include "outcome/measure_spine.h"
+#include "outcome/misfit.h"
 
 namespace trephine::outcome {
 namespace {
@@ -28,23 +29,8 @@ const char* const remedy =
     "take the scan of this patient after the procedure, as it was made; docs/how-to/outcome.md says what it must show";
 
 lesson::OutcomeRegistration registered(const BoneFit& fit, const BoneFit& mirror, const OutcomeParams& p) {
-  if (fit.overlap_ratio < p.least_overlap_ratio)
-    throw refusal("registration",
-                  fmt::format("only {:.0f} % of the case's bone lies in the scan, below {:.0f} %",
-                              100 * fit.overlap_ratio, 100 * p.least_overlap_ratio),
-                  {remedy});
-  if (fit.residual_mm > p.mirrored_ratio * mirror.residual_mm)
-    throw refusal("registration",
-                  fmt::format("the scan shows the case's head mirrored: bone lies {:.2f} mm off, mirrored {:.2f} mm",
-                              fit.residual_mm, mirror.residual_mm),
-                  {remedy});
-  if (fit.residual_mm > p.largest_residual_mm || fit.matched_ratio < p.least_matched_ratio)
-    throw refusal(
-        "registration",
-        fmt::format("the scan shows another head: bone lies {:.2f} mm off (at most {:.2f}), and {:.0f} % of it "
-                    "has an edge within 2 mm (at least {:.0f})",
-                    fit.residual_mm, p.largest_residual_mm, 100 * fit.matched_ratio, 100 * p.least_matched_ratio),
-        {remedy});
+  refuse_misfit({fit.overlap_ratio, fit.residual_mm, mirror.residual_mm, fit.matched_ratio}, "bone lies", "head", p,
+                remedy);
   if (fit.scale_ratio > p.largest_scale_ratio)
     throw refusal(
         "registration",

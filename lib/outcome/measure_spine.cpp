@@ -7,6 +7,7 @@
 
 #include "base/refusal.h"
 #include "outcome/find_screws.h"
+#include "outcome/misfit.h"
 #include "print/print_record.h"
 
 namespace trephine::outcome {
@@ -19,23 +20,8 @@ const char* const remedy =
     "must show";
 
 lesson::OutcomeRegistration registered(const SpineFit& fit, const OutcomeParams& p) {
-  if (fit.overlap_ratio < p.least_overlap_ratio)
-    throw refusal("registration",
-                  fmt::format("only {:.0f} % of the case's vertebrae lie in the scan, below {:.0f} %",
-                              100 * fit.overlap_ratio, 100 * p.least_overlap_ratio),
-                  {remedy});
-  if (fit.residual_mm > p.mirrored_ratio * fit.mirrored_residual_mm)
-    throw refusal("registration",
-                  fmt::format("the scan shows the case's spine mirrored: bone lies {:.2f} mm off, mirrored {:.2f} mm",
-                              fit.residual_mm, fit.mirrored_residual_mm),
-                  {remedy});
-  if (fit.residual_mm > p.largest_residual_mm || fit.matched_ratio < p.least_matched_ratio)
-    throw refusal(
-        "registration",
-        fmt::format("the scan shows another spine: bone lies {:.2f} mm off (at most {:.2f}), and {:.0f} % of it "
-                    "has an edge within 2 mm (at least {:.0f})",
-                    fit.residual_mm, p.largest_residual_mm, 100 * fit.matched_ratio, 100 * p.least_matched_ratio),
-        {remedy});
+  refuse_misfit({fit.overlap_ratio, fit.residual_mm, fit.mirrored_residual_mm, fit.matched_ratio}, "vertebrae lie",
+                "spine", p, remedy);
   lesson::OutcomeRegistration r;
   r.residual_mm = fit.residual_mm;
   r.mirrored_residual_mm = std::min(1e3, fit.mirrored_residual_mm);
