@@ -49,9 +49,9 @@ voxel::TransferFunction with_colour(voxel::TransferFunction f, std::size_t n, st
 }
 
 std::optional<AddedPoint> with_added(voxel::TransferFunction f, double hu, double opacity) {
-  voxel::TransferPoint point =
-      voxel::at_hu(f, std::clamp(std::round(hu), double(voxel::transfer_low_hu), double(voxel::transfer_high_hu)));
-  point.hu = std::clamp(std::round(hu), double(voxel::transfer_low_hu), double(voxel::transfer_high_hu));
+  const double at_hu = std::clamp(std::round(hu), double(voxel::transfer_low_hu), double(voxel::transfer_high_hu));
+  voxel::TransferPoint point = voxel::at_hu(f, at_hu);
+  point.hu = at_hu;
   point.opacity = std::clamp(opacity, 0.0, 1.0);
   const auto same = [&](const voxel::TransferPoint& p) { return p.hu == point.hu; };
   if (f.points.size() >= voxel::max_transfer_points || std::count_if(f.points.begin(), f.points.end(), same) > 1)
