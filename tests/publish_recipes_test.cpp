@@ -9,6 +9,7 @@
 #include "cases/case.h"
 #include "publish/other_config.h"
 #include "publish/run_case.h"
+#include "publish/verdict.h"
 #include "scratch_folder.h"
 
 namespace trephine {
@@ -34,6 +35,23 @@ TEST(Recipes, OfSpineAndChestHaveTheirAnatomiesAndShowNoFace) {
     EXPECT_EQ(c.import.clamp_low_hu, -1024) << name;
     EXPECT_EQ(c.face, "") << name;
   }
+}
+
+// A chest's bone is a step on the way to its clavicles and the rest: what speaks against it speaks against these.
+TEST(Recipes, WhatSpeaksAgainstAStepSpeaksAgainstWhatIsMadeOfIt) {
+  const auto heirs = [](const char* name, const char* anatomy) {
+    const config::CaseConfig config = config::read_case_config(shipped(name));
+    std::vector<std::string> all = publish::heirs_of(anatomy, pipeline::make_graph(config, ""), config);
+    std::sort(all.begin(), all.end());
+    return all;
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(heirs("ct_chest.yaml", "bone"), (Names{"clavicle", "other_bone", "vein"}));
+  EXPECT_EQ(heirs("ct_chest.yaml", "clavicle"), Names{"clavicle"});
+  EXPECT_EQ(heirs("ct_chest_bone.yaml", "bone"), Names{"bone"});
+  EXPECT_EQ(heirs("ct_skull.yaml", "skin"), Names{}) << "the skin only says where the head is";
+  EXPECT_EQ(heirs("ct_head.yaml", "nothing_of_that_name"), Names{});
+  EXPECT_EQ(heirs("ct_head.yaml", ""), Names{""}) << "about all of them";
 }
 
 TEST(Recipes, ARefusedAnatomyNamesTheConfigurationThatDoesWithout) {

@@ -67,7 +67,7 @@ std::size_t core_of(const mask::BitMask& bone, const grid::Grid<float>& to_bone)
   throw refusal(
       "cranial cavity", "no space of 15 mm radius that bone encloses: 0 voxels",
       {"take a series that holds the whole head, lower `lower_hu` of the bone's `segment`, or paint the brain "
-       "and bring it back by the stage `labels`"});
+       "and bring it back by the stage `labels`; of a neck or a jaw configs/ct_chest_bone.yaml makes skin and bone"});
 }
 
 grid::Mask seeds_of(const mask::BitMask& bone, const grid::Grid<float>& to_bone) {

@@ -83,7 +83,9 @@ class Builder {
     for (std::size_t i = 0; i < results_.size(); ++i)
       if (const pipeline::Node& node = graph_.nodes[i]; !node.is_early)
         for (const Warning& w : results_[i].warnings)
-          for (stages::Evidence& e : evidence_of(w, node.anatomy())) out_.evidence.push_back(std::move(e));
+          for (const stages::Evidence& e : evidence_of(w, node.anatomy()))
+            for (const std::string& heir : heirs_of(e.anatomy, graph_, config_))
+              out_.evidence.push_back({heir, e.cut, e.why});
     for (stages::Evidence& e : evidence_of(manifest().findings)) out_.evidence.push_back(std::move(e));
   }
 

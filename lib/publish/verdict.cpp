@@ -75,6 +75,25 @@ std::vector<stages::Evidence> evidence_of(const Warning& warning, const std::str
   return all;
 }
 
+std::vector<std::string> heirs_of(const std::string& anatomy, const pipeline::Graph& graph,
+                                  const config::CaseConfig& config) {
+  std::vector<std::string> heirs, steps{anatomy};
+  for (std::size_t n = 0; n < steps.size(); ++n) {
+    const std::string step = steps[n];
+    if (step.empty() || config.is_shown(step)) {
+      heirs.push_back(step);
+      continue;
+    }
+    for (const pipeline::Node& node : graph.nodes)
+      for (const auto& [port, source] : node.sources) {
+        const std::string of = node.anatomy();
+        if (port == "within" || of.empty() || graph.nodes[std::size_t(source)].anatomy() != step) continue;
+        if (std::find(steps.begin(), steps.end(), of) == steps.end()) steps.push_back(of);
+      }
+  }
+  return heirs;
+}
+
 std::vector<stages::Evidence> evidence_of(const std::vector<cases::CaseFinding>& findings) {
   std::vector<stages::Evidence> all;
   for (const cases::CaseFinding* f : sure(findings))

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "cases/case.h"
+#include "pipeline/graph.h"
 #include "stages/case_parts.h"
 #include "stages/warning_kind.h"
 
@@ -31,6 +32,10 @@ std::vector<AnatomyVerdict> judge_anatomies(const std::vector<std::string>& want
 /// What a warning speaks against, where it does (stages/warning_kind.h): the anatomies that it is about, or that of
 /// whose recipe the stage is that gave it.
 std::vector<stages::Evidence> evidence_of(const Warning& warning, const std::string& anatomy);
+/// The anatomies of the scene by which `anatomy` comes to a user: itself, or where it is only a step of the recipe,
+/// those that are made of it. What it only bounds (`within`) is not made of it.
+std::vector<std::string> heirs_of(const std::string& anatomy, const pipeline::Graph& graph,
+                                  const config::CaseConfig& config);
 /// What sure findings speak against: the anatomies that they concern.
 std::vector<stages::Evidence> evidence_of(const std::vector<cases::CaseFinding>& findings);
 

@@ -58,7 +58,8 @@ void require_low_enough(const std::vector<PediclePlace>& places) {
       fmt::format("the bone beside the canal is nowhere less than {:.0f} mm high, and a pedicle is less than "
                   "{:.0f}: is this a spine, and are its slices thin enough to part one vertebra from the next?",
                   lowest_mm, max_height_mm),
-      {std::string("take a series of a spine, or thinner slices, or ") + give_them});
+      {std::string("take a series of a spine, or thinner slices, or ") + give_them +
+       "; of a neck configs/ct_chest_bone.yaml makes skin and bone"});
 }
 
 // From `from` until the bone is left for good: gaps narrower than `gap_mm` are vessels.
