@@ -31,7 +31,7 @@ TEST(LessonsDura, ACatheterPopsThroughAndABurrStaysOutside) {
   EXPECT_LT(d.facts.dura->burr_first_s, pop.time_s);
   EXPECT_TRUE(std::get<bool>(figure(d, "dura_passed").value));
   EXPECT_EQ(std::get<double>(figure(d, "burr_on_dura_n").value), d.facts.dura->burr_n);
-  EXPECT_EQ(std::get<bool>(figure(d, "dura_breached").value), d.facts.dura->breached);
+  EXPECT_EQ(std::get<bool>(figure(d, "dura_breached").value), d.facts.dura->breach.has_value());
   for (const char* row : {"landmarks", "burr_hole", "trajectory", "depth", "tip", "time"})
     EXPECT_EQ(d.points(row), 5) << row << ": " << d.row(row).why;
 }
@@ -56,12 +56,12 @@ TEST(LessonsDura, ABreachIsMoreThanTheDuraBears) {
   f.touched = 5;
   f.force_n[2] = 0.9;
   watch.tick(f, true, facts);
-  EXPECT_FALSE(facts->breached);
+  EXPECT_FALSE(facts->breach);
   f.force_n[2] = 1.1;
   watch.tick(f, false, facts);
-  EXPECT_FALSE(facts->breached) << "the burr stood still";
+  EXPECT_FALSE(facts->breach) << "the burr stood still";
   watch.tick(f, true, facts);
-  EXPECT_TRUE(facts->breached);
+  EXPECT_TRUE(facts->breach);
   EXPECT_DOUBLE_EQ(facts->burr_s, 1);
   EXPECT_DOUBLE_EQ(facts->burr_n, 1.1);
   f.touched = 2;
@@ -84,7 +84,7 @@ TEST(LessonsDura, ReachingTheDuraIsNoErrorAndPressingOnIs) {
       f.force_n[2] = force_n;
       watch.tick(f, true, facts);
     }
-    return facts->breached;
+    return facts->breach.has_value();
   };
   EXPECT_FALSE(breached(std::vector<double>(60000, 0.99)));
   std::vector<double> moment(9, 3.0);

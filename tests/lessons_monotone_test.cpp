@@ -151,7 +151,7 @@ void check_head(bool left, const SpoiltHead& head = spoilt_phantom()) {
         false);
   check(name, "burr on the dura, 0.2 N a step", before([](lessons::VentriculostomyFacts& f, int n) {
           f.dura->burr_n = 0.2 * n;
-          f.dura->breached = f.dura->burr_n > 1;
+          if (f.dura->burr_n > 1) f.dura->breach.emplace();
         }),
         false);
   check(name, "not finished, from step 1", before([](lessons::VentriculostomyFacts& f, int n) {

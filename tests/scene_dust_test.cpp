@@ -90,7 +90,7 @@ TEST(BoneDust, LiesWhereItWasDrilledDry) {
   EXPECT_GT(about(dust, at, &scene::BoneDust::dust_at), 0.5);
   EXPECT_EQ(about(dust, at, &scene::BoneDust::water_at), 0);
   EXPECT_EQ(dust.dust_at(at + Vec3{12, 0, 0}), 0) << "far from the drill";
-  EXPECT_EQ(dust.texels().size(), 2u * 48 * 48 * 48);
+  EXPECT_EQ(dust.texels().size(), 3u * 48 * 48 * 48);
 }
 
 TEST(BoneDust, SalineWashesItAway) {
@@ -115,6 +115,70 @@ TEST(BoneDust, OnlyADrillOnWhatItRemovesMakesIt) {
     for (const haptics::ServoFrame& f : stroke({0, 0, 0}, touched)) watch.look(f);
     EXPECT_FALSE(watch.dust()->any());
   }
+}
+
+// A ball of the volume that has come; what is more runs down; and no more comes once it is stopped.
+TEST(BoneDust, BloodWellsUpAndIsStopped) {
+  const Vec3 at{40, -30, 120}, down{0, 1, 0};
+  scene::BoneDust dust;
+  dust.bleed({{at, at, 0, 6, 1, 11}}, down);  // a hole without depth
+  scene::BoneDust::Tick tick;
+  const auto until = [&](double time_s) {
+    for (; tick.time_s < time_s - 1e-9; tick.time_s += tick.dt_s) dust.add(tick);
+  };
+  const auto reach_mm = [&](Vec3 way) {
+    double far = 0;
+    while (dust.blood_at(at + way * far) > 0.5) far += 0.05;
+    return far;
+  };
+  until(0.9);
+  EXPECT_FALSE(dust.any()) << "before it happened";
+  for (const double s : {3.0, 6.0, 11.0}) {
+    until(s);
+    const double radius_mm = std::cbrt(3e3 * 0.1 * (s - 1) / (4 * M_PI));
+    EXPECT_NEAR(reach_mm({1, 0, 0}), radius_mm, 1.2 * scene::BoneDust::cell_mm) << s;
+    EXPECT_NEAR(reach_mm({0, 0, -1}), radius_mm, 1.2 * scene::BoneDust::cell_mm) << s;
+  }
+  until(40);
+  EXPECT_NEAR(reach_mm({1, 0, 0}), 6.2, 1.2 * scene::BoneDust::cell_mm) << "a millilitre, and no more";
+  // A hole of 5 mm is filled from its bottom: 10 mm deep it holds 0.2 ml.
+  scene::BoneDust hole;
+  hole.bleed({{at, at + Vec3{0, 0, 10}, 5, 6, 0, 1e9}}, down);
+  scene::BoneDust::Tick in_hole;
+  for (; in_hole.time_s < 1; in_hole.time_s += 0.001) hole.add(in_hole);
+  EXPECT_GT(hole.blood_at(at + Vec3{2, 0, 3}), 0.5);
+  EXPECT_EQ(hole.blood_at(at + Vec3{0, 0, 10}), 0);
+  for (; in_hole.time_s < 3; in_hole.time_s += 0.001) hole.add(in_hole);
+  EXPECT_GT(hole.blood_at(at + Vec3{2, 0, 10}), 0.5);
+  EXPECT_EQ(hole.blood_at(at + Vec3{5, 0, 5}), 0) << "not within the bone";
+  // A sinus fills more than a hole: the rest runs down.
+  scene::BoneDust sinus;
+  sinus.bleed({{at, at, 0, 60, 0, 1e9}}, down);
+  for (int n = 0; n < 12000; ++n) sinus.add({0.001, 0.001 * n, false, false, false, {}, {0, 0, 1}, 2.5, 0});
+  EXPECT_GT(sinus.blood_at(at + down * 15), 0.5);
+  EXPECT_EQ(sinus.blood_at(at - down * 15), 0);
+}
+
+TEST(BoneDust, SuctionTakesBloodUpAndSalineThinsIt) {
+  const Vec3 at{40, -30, 120};
+  const auto after = [&](bool takes_up, double water, double more_s) {
+    scene::BoneDust dust;
+    dust.bleed({{at, at, 0, 6, 0, 1e9}}, {0, 1, 0});
+    scene::BoneDust::Tick t;
+    for (; t.time_s < 10; t.time_s += t.dt_s) dust.add(t);
+    t.tip_mm = at;
+    t.takes_up = takes_up;
+    t.runs = water > 0;
+    t.water_ml_per_min = water;
+    for (; t.time_s < 12; t.time_s += t.dt_s) dust.add(t);
+    t.takes_up = t.runs = false;
+    for (; t.time_s < 12 + more_s; t.time_s += t.dt_s) dust.add(t);
+    return dust.blood_at(at + Vec3{3, 0, 0});
+  };
+  EXPECT_GT(after(false, 0, 0), 0.9);
+  EXPECT_LT(after(true, 0, 0), 0.1);
+  EXPECT_LT(after(false, 120, 0), 0.3);
+  EXPECT_GT(after(true, 0, 6), 0.9) << "it goes on bleeding";
 }
 
 // The same frames give the same cells, whether they come one by one or the recording is shown from another time.

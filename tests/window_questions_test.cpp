@@ -26,11 +26,12 @@ lesson::LessonRubric rubric() {
   return r;
 }
 
-std::vector<haptics::AskedQuestion> asked() {
+std::vector<haptics::AskedQuestion> asked_of(const lesson::LessonRubric& r) {
   std::vector<haptics::AskedQuestion> all;
-  for (const Question& q : rubric().questions) all.push_back({q.question, {"no", "yes"}});
+  for (const Question& q : r.questions) all.push_back({q.question, {"no", "yes"}});
   return all;
 }
+std::vector<haptics::AskedQuestion> asked() { return asked_of(rubric()); }
 
 }  // namespace
 
@@ -50,13 +51,18 @@ TEST(WindowQuestions, EachHasItsTime) {
   facts.first_cut_s = 1;
   facts.end_s = 2;
   ASSERT_TRUE(questions.wants_errors(facts));
-  questions.ask([] { return std::set<std::string>{"artery"}; });
+  questions.ask([] {
+    window::Happened happened{{"artery"}, {}};
+    happened.flows.emplace_back().fluid = lesson::Fluid::arterial_blood;
+    return happened;
+  });
   facts.end_s = 2.5;  // too soon to look again, but what was found is taken
   for (int n = 0; n < 60000 && questions.open(facts) < 0; ++n) {
     EXPECT_FALSE(questions.wants_errors(facts));
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   EXPECT_EQ(questions.open(facts), 1);
+  ASSERT_EQ(questions.flows().size(), 1u) << "it is seen";
   EXPECT_TRUE(questions.comes_before_end(facts));
   EXPECT_EQ(questions.open(facts), 1) << "what happened goes before the end";
   EXPECT_EQ(questions.answer(facts, "no"), haptics::belt_command::answer(1, 0));
@@ -64,6 +70,29 @@ TEST(WindowQuestions, EachHasItsTime) {
   EXPECT_FALSE(questions.comes_before_end(facts)) << "asked for a second time";
   facts.end = lessons::LessonEnd::finished;
   EXPECT_EQ(questions.open(facts), -1);
+}
+
+// What is seen of an error ends with the right answer, which scoring alone knows: it is asked again.
+TEST(WindowQuestions, AnAnswerMayEndWhatIsSeen) {
+  lesson::LessonRubric r = rubric();
+  r.questions = {r.questions[1]};
+  r.critical_errors.emplace_back().error = "artery";
+  window::LessonQuestions nothing_seen(asked_of(r), r);
+  nothing_seen.found({{"artery"}, {}});
+  r.critical_errors[0].leads_to.emplace().fluid = lesson::Fluid::arterial_blood;
+  window::LessonQuestions questions(asked_of(r), r);
+  EXPECT_TRUE(questions.waits_for_errors());
+  questions.found({{"artery"}, std::vector<lessons::Flow>(1)});
+  EXPECT_FALSE(questions.waits_for_errors());
+  EXPECT_NE(questions.answer({}, "yes"), haptics::belt_command::none);
+  EXPECT_TRUE(questions.waits_for_errors());
+  questions.found({});
+  EXPECT_FALSE(questions.waits_for_errors());
+  EXPECT_TRUE(questions.flows().empty());
+  EXPECT_NE(nothing_seen.answer({}, "yes"), haptics::belt_command::none);
+  EXPECT_FALSE(nothing_seen.waits_for_errors()) << "nothing could end";
+  // Unasked, it is looked for all the same.
+  EXPECT_TRUE(window::LessonQuestions({}, r).waits_for_errors());
 }
 
 TEST(WindowQuestions, ATimeOutThatWasLeftOutIsNoLongerAsked) {

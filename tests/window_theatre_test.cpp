@@ -17,7 +17,10 @@ using namespace trephine;
 
 TEST(Theatre, CsfMovesOutAlongTheTubeAndDripsFromItsEnd) {
   const Vec3 tip{1, 2, 3}, axis{0, 0, 1}, down{0, 1, 0};
-  const auto drops = [&](double time_s) { return scene::csf_drops(tip, axis, down, 1.25, 160, time_s); };
+  constexpr double ml_per_s = 0.07;  // a drop each 0.7 s
+  const auto drops = [&](double time_s) {
+    return scene::csf_drops({tip, axis, down, 1.25, 160}, ml_per_s * time_s, ml_per_s);
+  };
   const std::vector<scene::Marker> first = drops(0.1), later = drops(0.2);
   ASSERT_GT(first.size(), 5u);
   EXPECT_EQ(first.size(), drops(0.1).size());
@@ -36,6 +39,29 @@ TEST(Theatre, CsfMovesOutAlongTheTubeAndDripsFromItsEnd) {
   EXPECT_GT(c - b, b - a);
 }
 
+// The pressure falls along its exact curve, dp/dt = -k p (p - h), and what comes stops where the tube's end is too
+// high.
+TEST(Theatre, CsfFlowsAsItsPressureDrives) {
+  const scene::CsfPressure of;
+  const double resistance = 8 * 0.8e-3 * 0.350 / (M_PI * std::pow(0.65e-3, 4)) / 133.322 * 1e-6;  // mmHg s / ml
+  const double k = std::log(10.0) / (of.pvi_ml * resistance);
+  for (const double height_mm : {0.0, 100.0, 250.0}) {
+    scene::CsfDrain drain(of);
+    const double rest = 1007 * 9.81 * 1e-3 * height_mm / 133.322;
+    EXPECT_NEAR(drain.ml_per_s(height_mm), (25 - rest) / resistance, 1e-9);
+    for (int s = 1; s <= 120; ++s) {
+      drain.step(height_mm, 1);
+      const double exact = rest > 0 ? rest / (1 - (1 - rest / 25) * std::exp(-k * rest * s)) : 25 / (1 + k * 25 * s);
+      ASSERT_NEAR(drain.pressure_mmhg(), exact, 0.02) << height_mm << " mm, " << s << " s";
+    }
+    EXPECT_NEAR(drain.drained_ml(), of.pvi_ml * std::log10(25 / drain.pressure_mmhg()), 1e-9);
+  }
+  scene::CsfDrain high;
+  high.step(400, 60);
+  EXPECT_EQ(high.drained_ml(), 0);
+  EXPECT_TRUE(scene::csf_drops({{}, {0, 0, 1}, {0, 1, 0}}, 0, high.ml_per_s(400)).empty());
+}
+
 TEST(Theatre, InstrumentsEndWhereTheySay) {
   haptics::ToolParams p;
   p.tool = "catheter";
@@ -52,14 +78,15 @@ TEST(Theatre, InstrumentsEndWhereTheySay) {
     EXPECT_NEAR(widest, 0.5 * tool.tool_diameter_mm, 1e-3) << name << " is as wide as it is felt";
   }
   p.tool = "needle";
-  const auto reds = [&](bool blood) {
+  const auto reds = [&](const std::optional<std::array<float, 3>>& inside_rgb) {
     int n = 0;
-    for (const scene::SolidVertex& v : scene::solid_of(haptics::own_tool(p), blood).vertices)
-      n += std::equal(scene::blood_rgb.begin(), scene::blood_rgb.end(), v.colour_rgb);
+    for (const scene::SolidVertex& v : scene::solid_of(haptics::own_tool(p), inside_rgb).vertices)
+      n += std::equal(scene::venous_rgb.begin(), scene::venous_rgb.end(), v.colour_rgb);
     return n;
   };
-  EXPECT_EQ(reds(false), 0);
-  EXPECT_GT(reds(true), 0);
+  EXPECT_EQ(reds({}), 0);
+  EXPECT_EQ(reds(scene::arterial_rgb), 0);
+  EXPECT_GT(reds(scene::venous_rgb), 0);
 }
 
 TEST(Theatre, AMirroredPlaceIsMirroredBack) {

@@ -35,6 +35,28 @@ struct RubricLimit {
   }
 };
 
+/// What comes out of a patient or a tool.
+enum class Fluid { none, venous_blood, arterial_blood, csf, air };
+
+/// What a critical error leads to that is seen: it flows where the error happened, until the question that follows the
+/// error is rightly answered.
+struct Consequence {
+  Fluid fluid = Fluid::none;
+  RubricLimit ml_per_min;
+  template <class V>
+  static void describe(V& v) {
+    using P = Consequence;
+    v.choice(&P::fluid, "fluid",
+             {{"venous_blood", Fluid::venous_blood},
+              {"arterial_blood", Fluid::arterial_blood},
+              {"csf", Fluid::csf},
+              {"air", Fluid::air}},
+             "What flows.")
+        .is_required();
+    v.group(&P::ml_per_min, "ml_per_min", "How much of it.").is_required();
+  }
+};
+
 /// A critical error: a lesson in which it happened is failed, whatever the sum of its rows. A rubric lists those that
 /// fail; what it does not list does not.
 struct CriticalRule {
@@ -42,6 +64,7 @@ struct CriticalRule {
   double limit = 0;
   RubricLimit::From from = RubricLimit::From::none;
   std::string why, why_de = {};
+  std::optional<Consequence> leads_to = {};
   template <class V>
   static void describe(V& v) {
     using P = CriticalRule;
@@ -53,6 +76,7 @@ struct CriticalRule {
         .is_required();
     v.text(&P::why, "why", "The dissertation's table, or the reason for our choice.").is_required();
     v.text(&P::why_de, "why_de", "The same in German; a German page shows `why` where it is left out.");
+    v.group(&P::leads_to, "leads_to", "What is seen of it in a window.");
   }
 };
 /// "Time to complete procedure".

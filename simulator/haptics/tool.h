@@ -85,6 +85,7 @@ struct ToolKind {
   int flutes = 0;                ///< cutting edges of what rotates: what is heard of it
   std::vector<double> sizes_mm;  ///< the usual diameters of what rotates, ascending; a window's keys change them
   bool marks = false;            ///< while the pedal is down it draws on what it touches
+  bool takes_up = false, rinses = false;  ///< while the pedal is down: blood and water; with saline
   Look look = Look::steel;
 
   bool cuts() const { return cut != Cut::nothing; }
@@ -101,6 +102,8 @@ struct ToolKind {
   ToolKind& rotating(Cut what, int edges, double cutting = 0);
   ToolKind& sizes(std::vector<double> usual_mm);
   ToolKind& draws();
+  ToolKind& suction();
+  ToolKind& saline();
   ToolKind& looks(Look how);
 };
 const std::vector<ToolKind>& all_tool_kinds();

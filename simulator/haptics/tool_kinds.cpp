@@ -52,6 +52,16 @@ ToolKind& ToolKind::draws() {
   return *this;
 }
 
+ToolKind& ToolKind::suction() {
+  takes_up = true;
+  return *this;
+}
+
+ToolKind& ToolKind::saline() {
+  rinses = true;
+  return *this;
+}
+
 ToolKind& ToolKind::looks(Look how) {
   look = how;
   return *this;
@@ -106,6 +116,14 @@ const std::vector<ToolKind>& all_tool_kinds() {
       Kind("screw", "Schraube", "a pedicle screw on its driver").shaped(Tip::cone, 5.5, 45, 3).looks(Look::screw),
       Kind("points", "Punkte", "points of your own, from a file").of_a_file(),
       Kind("marker", "Stift", "a pen for the skin, felt at its tip alone").draws().looks(Look::pen),
+      Kind("suction", "Sauger", "a tube that takes up blood and saline, exactly round")
+          .shaped(Tip::round, 3, 60, 2)
+          .exactly_round()
+          .suction(),
+      Kind("irrigation", "Spülung", "a syringe of saline, for blood and bone dust")
+          .shaped(Tip::round, 2, 40, 2)
+          .saline()
+          .looks(Look::syringe),
       Kind("scalpel", "Skalpell", "a blade that opens what is incised, felt at its tip alone")
           .cuts_with(Cut::incision)
           .looks(Look::blade),

@@ -8,6 +8,7 @@
 
 #include "cases/load_case.h"
 #include "fluoro/carm.h"
+#include "lesson/rubric.h"
 #include "lessons/lesson.h"
 #include "lessons/lesson_text.h"
 #include "lessons/scripted_hand.h"
@@ -65,9 +66,6 @@ struct LessonField {
   /// From where its surgeon first sees the patient (unit, from the patient to the eye); 0: upright over the field.
   Vec3 from;
 };
-/// What comes out of the tool in hand, where a surgeon sees it.
-enum class LessonFluid { none, csf, blood };
-
 /// A C-arm, as a window shows it.
 struct LessonXray {
   /// Where it stands: "lateral", "free", and by how many degrees it is turned and tilted.
@@ -140,7 +138,8 @@ struct LessonType {
   std::function<std::vector<Vec3>(const LessonFacts&)> ink;
   /// The field of operation; empty: about the middle of what is shown.
   std::function<LessonField(const LessonFacts&, const cases::CaseManifest&)> field;
-  std::function<LessonFluid(const LessonFacts&, const cases::CaseManifest&)> fluid;
+  /// What comes out of the tool in hand, where a surgeon sees it.
+  std::function<lesson::Fluid(const LessonFacts&, const cases::CaseManifest&)> fluid;
   /// Of a lesson with a C-arm; else empty. A lesson that does not need its pictures shows them where the case has a CT.
   std::function<LessonXray(const Lesson&, const cases::CaseManifest&)> xray;
   /// And all that was seen, in the order of time.

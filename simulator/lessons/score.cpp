@@ -96,16 +96,17 @@ std::string LessonScore::reason() const {
   return all;
 }
 
-void CriticalErrors::happened(const std::string& error, const texts::Phrase& what, std::optional<double> at_s) {
-  above(error, 1e300, what, at_s);
+void CriticalErrors::happened(const std::string& error, const texts::Phrase& what, std::optional<double> at_s,
+                              const std::optional<Wound>& wound) {
+  above(error, 1e300, what, at_s, wound);
 }
 
 void CriticalErrors::above(const std::string& error, double figure, const texts::Phrase& what,
-                           std::optional<double> at_s) {
+                           std::optional<double> at_s, const std::optional<Wound>& wound) {
   for (const CriticalError& e : score_.critical)
     if (e.rule.error == error) return;
   for (const lesson::CriticalRule& rule : rules_)
-    if (rule.error == error && figure > rule.limit) score_.critical.push_back({what, rule, at_s});
+    if (rule.error == error && figure > rule.limit) score_.critical.push_back({what, rule, at_s, wound});
 }
 
 }  // namespace trephine::lessons

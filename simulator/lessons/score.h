@@ -34,10 +34,17 @@ struct LessonFigure {
 };
 
 /// A critical error that happened.
+/// An open way from what was hurt to where a surgeon sees it.
+struct Wound {
+  Vec3 source_mm, mouth_mm;
+  double width_mm = 5;
+};
+
 struct CriticalError {
   texts::Phrase what;  ///< "the needle came through the front of the vertebra"
   lesson::CriticalRule rule;
   std::optional<double> at_s;
+  std::optional<Wound> wound;  ///< none: it is not open
 };
 
 /// late: after the patient was cut, of a question that comes before that.
@@ -106,9 +113,11 @@ class CriticalErrors {
  public:
   CriticalErrors(const std::vector<lesson::CriticalRule>& rules, LessonScore& score) : rules_(rules), score_(score) {}
   /// It happened, at that moment of the recording.
-  void happened(const std::string& error, const texts::Phrase& what, std::optional<double> at_s);
+  void happened(const std::string& error, const texts::Phrase& what, std::optional<double> at_s,
+                const std::optional<Wound>& wound = {});
   /// It happened where the figure is above the rule's limit.
-  void above(const std::string& error, double figure, const texts::Phrase& what, std::optional<double> at_s);
+  void above(const std::string& error, double figure, const texts::Phrase& what, std::optional<double> at_s,
+             const std::optional<Wound>& wound = {});
 
  private:
   const std::vector<lesson::CriticalRule>& rules_;

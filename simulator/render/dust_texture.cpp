@@ -19,9 +19,9 @@ void DustTexture::take(const scene::SceneState& state, Vec3 centre_mm) {
   glBindTexture(GL_TEXTURE_3D, texture_);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   if (made_before) {
-    glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, n, n, n, GL_RG, GL_UNSIGNED_BYTE, texels.data());
+    glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, n, n, n, GL_RGB, GL_UNSIGNED_BYTE, texels.data());
   } else {
-    glTexImage3D(GL_TEXTURE_3D, 0, GL_RG8, n, n, n, 0, GL_RG, GL_UNSIGNED_BYTE, texels.data());
+    glTexImage3D(GL_TEXTURE_3D, 0, GL_RGB8, n, n, n, 0, GL_RGB, GL_UNSIGNED_BYTE, texels.data());
     const float none[4] = {0, 0, 0, 0};
     glTexParameterfv(GL_TEXTURE_3D, GL_TEXTURE_BORDER_COLOR, none);
     for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})

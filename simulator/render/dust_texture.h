@@ -10,7 +10,7 @@
 
 namespace trephine::render {
 
-/// The powder and water of a picture as a texture, and which chunks of a surface lie about them.
+/// The powder, water and blood of a picture as a texture, and which chunks of a surface lie about them.
 class DustTexture {
  public:
   /// Takes those of the picture, and whether there are any.

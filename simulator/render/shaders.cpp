@@ -154,21 +154,24 @@ void main() {
 #endif
 #endif
 #ifdef DUST
-  // Powder lies in flecks; where it is wet it is a slurry, darker and redder. Wet bone shines. A processor that draws
-  // leaves out a loop of no turns, where it would run both sides of a branch.
+  // Powder lies in flecks; where it is wet it is a slurry, darker and redder; blood lies over it. Wet bone shines. A
+  // processor that draws leaves out a loop of no turns, where it would run both sides of a branch.
   vec3 in_dust = (to_dust * vec4(place, 1)).xyz;
   float water = 0;
   int near = !inner && all(greaterThan(in_dust, vec3(0))) && all(lessThan(in_dust, vec3(1))) ? 1 : 0;
   for (int n = 0; n < near; ++n) {
-    vec2 powder = textureLod(dust, in_dust, 0).rg;
+    vec3 powder = textureLod(dust, in_dust, 0).rgb;
     water = powder.g;
     base *= 1 - 0.25 * water;
-    int covered = powder.r > 0.02 ? 1 : 0;
+    int covered = max(powder.r, powder.b) > 0.02 ? 1 : 0;
     for (int m = 0; m < covered; ++m) {
       float fleck = textureLod(grains, place * 0.19, 0).r;
       float lies = smoothstep(0.40, 0.60, 0.8 * powder.r + 0.8 * (fleck - 0.5)) * min(1, 4 * powder.r);
       vec3 powdered = mix(vec3(0.92, 0.90, 0.86), vec3(0.48, 0.25, 0.20), 0.75 * water) * (0.6 + 0.7 * fleck);
       base = mix(base, powdered, 0.92 * lies);
+      float bloody = smoothstep(0.30, 0.70, powder.b + 0.3 * (fleck - 0.5));
+      base = mix(base, mix(vec3(0.10, 0.003, 0.004), vec3(0.20, 0.012, 0.012), water), 0.94 * bloody);
+      water = max(water, bloody);
     }
   }
 #endif

@@ -71,11 +71,11 @@ void Stage::set_view(const scene::ViewParams& params) {
 }
 
 void Stage::set_tool(const haptics::ToolParams& own_tool, const std::optional<std::array<float, 3>>& colour_rgb,
-                     bool blood) {
-  scene::Solid solid = scene::solid_of(own_tool, blood);
+                     const std::optional<std::array<float, 3>>& inside_rgb) {
+  scene::Solid solid = scene::solid_of(own_tool, inside_rgb);
   if (colour_rgb)
     for (scene::SolidVertex& v : solid.vertices)
-      if (!std::equal(scene::blood_rgb.begin(), scene::blood_rgb.end(), v.colour_rgb))
+      if (!inside_rgb || !std::equal(inside_rgb->begin(), inside_rgb->end(), v.colour_rgb))
         std::copy(colour_rgb->begin(), colour_rgb->end(), v.colour_rgb);
   renderer_->set_tool(solid);
 }

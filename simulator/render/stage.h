@@ -46,9 +46,9 @@ class Stage {
   bool coarse_comes() const { return worker_.busy() || uploading_; }
   /// Until all of them are there.
   void wait_for_coarse();
-  /// `colour_rgb`: of all of it but the blood in a syringe, in place of its own.
+  /// `colour_rgb`: of all of it but what is in a syringe (`inside_rgb`), in place of its own.
   void set_tool(const haptics::ToolParams& own_tool, const std::optional<std::array<float, 3>>& colour_rgb = {},
-                bool blood = false);
+                const std::optional<std::array<float, 3>>& inside_rgb = {});
   /// Makes live surfaces and a volume that is cast follow the marked bricks; returns how many surfaces' were made anew.
   std::size_t follow(drill::DirtyBricks& marks);
   /// Casts rays through a volume of the case, and draws what `opacity` of the view names of the anatomies alone.

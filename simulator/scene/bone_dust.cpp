@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/pi.h"
 #include "base/splitmix64.h"
 
 namespace trephine::scene {
@@ -16,9 +17,19 @@ constexpr double column_mm = 12, wets_beyond_mm = 7;  // above the tip; beyond t
 constexpr double usual_ml_per_min = 40, washes_per_s = 1.2, wets_per_s = 3;  // at that flow
 constexpr double wash_each_s = 0.02, dry_each_s = 1, dries_in_s = 40;
 
+constexpr double taken_ml_per_s = 3, takes_up_mm = 4, takes_up_per_s = 9;  // of a pool; about the tip; of what is there
+constexpr double pool_each_s = 0.1;
+constexpr double widest_pool_mm = 8, run_mm = 2.2;  // beyond that width it runs down, in a line so thick
+constexpr double rinse_ml_per_min = 120;            // of a syringe of saline
+
 constexpr std::size_t most_kept = 24;
 
 double unit_of(std::uint64_t n) { return double(splitmix64_mixed(n * splitmix64_step) >> 11) * 0x1p-53; }
+
+// Whether a tool is at what bleeds, or so far above it.
+bool reaches(const Bleeding& b, Vec3 tip_mm, double above_mm) {
+  return std::min(norm(b.mouth_mm - tip_mm), norm(b.source_mm - tip_mm)) < widest_pool_mm + above_mm;
+}
 
 }  // namespace
 
@@ -27,8 +38,10 @@ Vec3 BoneDust::first_mm() const { return Vec3{double(base_[0]), double(base_[1])
 void BoneDust::clear() {
   dust_.clear();
   water_.clear();
+  blood_.clear();
+  for (Pool& pool : pools_) pool.ml = 0;
   grains_ = 0;
-  owed_ = since_wash_s_ = since_dry_s_ = 0;
+  owed_ = since_wash_s_ = since_dry_s_ = since_pool_s_ = 0;
   ++version_;
 }
 
@@ -49,17 +62,30 @@ double BoneDust::at(const std::vector<float>& of, Vec3 p) const {
 }
 double BoneDust::dust_at(Vec3 p) const { return at(dust_, p); }
 double BoneDust::water_at(Vec3 p) const { return at(water_, p); }
+double BoneDust::blood_at(Vec3 p) const { return at(blood_, p); }
+
+void BoneDust::bleed(std::vector<Bleeding> all, Vec3 down) {
+  down_ = down;
+  pools_.resize(all.size());
+  for (std::size_t n = 0; n < all.size(); ++n) pools_[n].of = all[n];
+}
 
 void BoneDust::add(const Tick& t) {
   if (t.runs && t.cuts) {
     stay_about(t.tip_mm);
     for (owed_ += t.dt_s * grains_per_s; owed_ >= 1; owed_ -= 1) throw_grain(t);
   }
+  const bool bleeds =
+      std::any_of(pools_.begin(), pools_.end(), [&](const Pool& p) { return p.of.begin_s <= t.time_s; });
+  if (bleeds && !any()) stay_about(pools_.front().of.mouth_mm);
   if (!any()) return;
+  since_pool_s_ += t.dt_s;
+  if (bleeds && since_pool_s_ >= pool_each_s) well_up(t.time_s);
   since_wash_s_ += t.dt_s;
   since_dry_s_ += t.dt_s;
   if (since_wash_s_ >= wash_each_s) {
     if (t.runs) wash(t);
+    if (t.takes_up) take_up(t);
     since_wash_s_ = 0;
   }
   if (since_dry_s_ >= dry_each_s) dry();
@@ -74,7 +100,7 @@ void BoneDust::stay_about(Vec3 p) {
     stays = stays && std::abs(base[a] - base_[a]) * cell_mm <= stays_within_mm;
   }
   if (stays) return;
-  std::vector<float> dust(std::size_t(side) * side * side), water(dust.size());
+  std::vector<float> dust(std::size_t(side) * side * side), water(dust.size()), blood(dust.size());
   for (int k = 0; k < side && any(); ++k)
     for (int j = 0; j < side; ++j)
       for (int i = 0; i < side; ++i) {
@@ -82,9 +108,11 @@ void BoneDust::stay_about(Vec3 p) {
         if (std::any_of(from, from + 3, [](int n) { return n < 0 || n >= side; })) continue;
         dust[cell(i, j, k)] = dust_[cell(from[0], from[1], from[2])];
         water[cell(i, j, k)] = water_[cell(from[0], from[1], from[2])];
+        blood[cell(i, j, k)] = blood_[cell(from[0], from[1], from[2])];
       }
   dust_ = std::move(dust);
   water_ = std::move(water);
+  blood_ = std::move(blood);
   std::copy(base, base + 3, base_);
 }
 
@@ -114,6 +142,22 @@ void BoneDust::throw_grain(const Tick& t) {
   ++version_;
 }
 
+// Calls `f` with the number of each cell of a ball.
+template <class F>
+void BoneDust::for_ball(Vec3 middle_mm, double radius_mm, const F& f) {
+  int from[3], to[3];
+  for (int a = 0; a < 3; ++a) {
+    from[a] = std::max(0, int(std::ceil((middle_mm[a] - radius_mm) / cell_mm)) - base_[a]);
+    to[a] = std::min(side - 1, int(std::floor((middle_mm[a] + radius_mm) / cell_mm)) - base_[a]);
+  }
+  for (int k = from[2]; k <= to[2]; ++k)
+    for (int j = from[1]; j <= to[1]; ++j)
+      for (int i = from[0]; i <= to[0]; ++i) {
+        const Vec3 off = first_mm() + Vec3{double(i), double(j), double(k)} * cell_mm - middle_mm;
+        if (dot(off, off) <= radius_mm * radius_mm) f(cell(i, j, k));
+      }
+}
+
 // Water flows over the cutter and out of the hole: it wets what it reaches, and takes powder with it.
 void BoneDust::wash(const Tick& t) {
   const double flow = t.water_ml_per_min / usual_ml_per_min * since_wash_s_;
@@ -134,8 +178,53 @@ void BoneDust::wash(const Tick& t) {
         if (dot(beside, beside) > reach * reach) continue;
         const std::size_t at = cell(i, j, k);
         dust_[at] *= stays;
+        blood_[at] *= stays;
         water_[at] = 1 - (1 - water_[at]) * dry;
       }
+  for (Pool& pool : pools_)
+    if (reaches(pool.of, t.tip_mm, wets_beyond_mm)) thin(pool, double(stays));
+  ++version_;
+}
+
+void BoneDust::take_up(const Tick& t) {
+  const float stays = float(std::exp(-takes_up_per_s * since_wash_s_));
+  for_ball(t.tip_mm, takes_up_mm, [&](std::size_t at) {
+    blood_[at] *= stays;
+    water_[at] *= stays;
+  });
+  for (Pool& pool : pools_)
+    if (reaches(pool.of, t.tip_mm, 0))
+      thin(pool, std::max(0.0, 1 - taken_ml_per_s * since_wash_s_ / std::max(pool.ml, 1e-6)));
+  ++version_;
+}
+
+// Its level falls to that share: what is left of it wells up again.
+void BoneDust::thin(Pool& pool, double share) {
+  const auto fade = [&](std::size_t at) { blood_[at] *= float(share); };
+  for_ball(pool.of.mouth_mm, widest_pool_mm, fade);
+  for_ball(pool.of.source_mm, pool.of.width_mm, fade);
+  pool.ml *= share;
+}
+
+// It fills the hole; what is more is a ball about its mouth, and of that what is more than the widest runs down.
+void BoneDust::well_up(double time_s) {
+  for (Pool& pool : pools_) {
+    if (time_s >= pool.of.begin_s && time_s < pool.of.end_s) pool.ml += pool.of.ml_per_min / 60 * since_pool_s_;
+    const Vec3 up = pool.of.mouth_mm - pool.of.source_mm;
+    const double wide_mm = 0.5 * pool.of.width_mm, deep_mm = norm(up),
+                 hole_ml = 1e-3 * pi * wide_mm * wide_mm * deep_mm;
+    const auto fill = [&](std::size_t at) { blood_[at] = 1; };
+    const double filled = hole_ml > 0 ? std::min(1.0, pool.ml / hole_ml) : 1;
+    for (double far = 0; far <= filled * deep_mm; far += cell_mm)
+      for_ball(pool.of.source_mm + up * (far / std::max(deep_mm, 1e-9)), wide_mm + cell_mm, fill);
+    const double whole_mm = std::cbrt(3e3 * std::max(0.0, pool.ml - hole_ml) / (4 * pi)),
+                 radius_mm = std::min(whole_mm, widest_pool_mm);
+    for_ball(pool.of.mouth_mm, radius_mm, fill);
+    const double runs_mm = std::min((whole_mm - radius_mm) * 12, side * cell_mm);
+    for (double far = 0; far < runs_mm; far += run_mm)
+      for_ball(pool.of.mouth_mm + down_ * (radius_mm + far), run_mm, fill);
+  }
+  since_pool_s_ = 0;
   ++version_;
 }
 
@@ -147,10 +236,11 @@ void BoneDust::dry() {
 }
 
 std::vector<std::uint8_t> BoneDust::texels() const {
-  std::vector<std::uint8_t> out(2 * dust_.size());
+  std::vector<std::uint8_t> out(3 * dust_.size());
   for (std::size_t n = 0; n < dust_.size(); ++n) {
-    out[2 * n] = std::uint8_t(dust_[n] * 255 + 0.5f);
-    out[2 * n + 1] = std::uint8_t(water_[n] * 255 + 0.5f);
+    out[3 * n] = std::uint8_t(dust_[n] * 255 + 0.5f);
+    out[3 * n + 1] = std::uint8_t(water_[n] * 255 + 0.5f);
+    out[3 * n + 2] = std::uint8_t(blood_[n] * 255 + 0.5f);
   }
   return out;
 }
@@ -164,11 +254,14 @@ DustWatch::DustWatch(std::shared_ptr<BoneDust> dust, const haptics::RecordingHea
       begins_(h, std::move(shape_at)),
       hand_(begins_) {
   const auto add = [&](const haptics::ToolParams& whole, bool cuts) {
-    burrs_.push_back({cuts && haptics::tool_kind(whole.tool).rotates(), 0.5 * whole.tool_diameter_mm});
+    const haptics::ToolKind& kind = haptics::tool_kind(whole.tool);
+    held_.push_back({cuts && kind.rotates(), kind.rinses, kind.takes_up, 0.5 * whole.tool_diameter_mm});
   };
   for (const haptics::BeltToolParams& t : h.tools) add(haptics::own_tool(t), t.cuts);
   if (h.tools.empty()) add(haptics::own_tool(h.tool), true);
 }
+
+void DustWatch::bleed(std::vector<Bleeding> all, Vec3 down) { dust_->bleed(std::move(all), down); }
 
 void DustWatch::look(const haptics::ServoFrame& f, bool shown) {
   ++looked_;
@@ -177,15 +270,18 @@ void DustWatch::look(const haptics::ServoFrame& f, bool shown) {
   if (takes_back_ && hand_.command() == haptics::belt_command::reset && hand_.works() && !pedal && dust_->any())
     dust_->clear();
   if (!shown) return;
-  const Burr& burr = burrs_[hand_.tool()];
+  const Held& held = held_[hand_.tool()];
   BoneDust::Tick tick;
   tick.dt_s = f.dt_s;
-  tick.runs = burr.rotates && pedal && !(f.buttons & haptics::haptic_button::lifted);
-  tick.cuts = tick.runs && f.touched > 0 && (drilled_ >> f.touched & 1);
+  tick.time_s = f.time_s;
+  const bool works = pedal && !(f.buttons & haptics::haptic_button::lifted);
+  tick.runs = (held.rotates || held.rinses) && works;
+  tick.takes_up = held.takes_up && works;
+  tick.cuts = tick.runs && held.rotates && f.touched > 0 && (drilled_ >> f.touched & 1);
   tick.tip_mm = {f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]};
   tick.axis = normalized({f.axis[0], f.axis[1], f.axis[2]});
-  tick.radius_mm = burr.radius_mm;
-  tick.water_ml_per_min = water_ml_per_min_;
+  tick.radius_mm = held.radius_mm;
+  tick.water_ml_per_min = held.rinses ? rinse_ml_per_min : water_ml_per_min_;
   dust_->add(tick);
 }
 

@@ -118,9 +118,9 @@ Solid scalpel() {
 }
 
 // Behind a needle: a cone that locks, a barrel of 5 ml with its contents, and the plunger drawn out.
-void syringe(Turned& t, double z, double neck, bool blood) {
+void syringe(Turned& t, double z, double neck, const std::optional<Colour>& inside_rgb) {
   constexpr double barrel = 6.5;
-  const Colour inside = blood ? blood_rgb : glass;
+  const Colour inside = inside_rgb.value_or(glass);
   t.part({{z, neck, blue}, {z + 1, 2.6, blue}, {z + 9, 2.6, blue}, {z + 10, 2.1, glass}, {z + 16, 2.1, glass}}, false);
   t.part({{z + 16, 2.1, glass}, {z + 18, barrel, glass}}, false);
   t.part({{z + 18, barrel, inside}, {z + 46, barrel, inside}}, true);
@@ -177,7 +177,7 @@ double tail_mm(const haptics::ToolParams& tool) {
   return far;
 }
 
-Solid solid_of(const haptics::ToolParams& tool, bool blood) {
+Solid solid_of(const haptics::ToolParams& tool, const std::optional<Colour>& inside_rgb) {
   const double r = 0.5 * tool.tool_diameter_mm, length = tool.tool_length_mm;
   const haptics::ToolKind& kind = haptics::tool_kind(tool.tool);
   if (kind.look == haptics::ToolKind::Look::pen) return pen();
@@ -218,7 +218,7 @@ Solid solid_of(const haptics::ToolParams& tool, bool blood) {
     shaft(t, end, end + tube_beyond_mm, neck, colour, false);
     t.part({{end + tube_beyond_mm, neck, colour}, {end + tube_beyond_mm, 0, colour}}, true);
   } else if (kind.look == Look::syringe) {
-    syringe(t, end, neck, blood);
+    syringe(t, end, neck, inside_rgb);
   } else if (kind.look == Look::cross_handle) {
     cross_handle(t, across, end, neck);
   } else if (kind.look != Look::screw) {

@@ -91,7 +91,7 @@ struct ViewParams {
     v.numbers(&P::box_low_mm, "box_low_mm", Range{-1000, 1000},
               "Of the volume, nothing is seen below these places along LPS, mm from the scene's middle.");
     v.numbers(&P::box_high_mm, "box_high_mm", Range{-1000, 1000}, "Nor above these.");
-    v.flag(&P::dust, "dust", "Bone dust where a drill works, and the saline that wets it and washes it away.");
+    v.flag(&P::dust, "dust", "Bone dust where a drill works, blood, and the saline that wets and washes them away.");
     v.flag(&P::grain, "grain", "A fine texture on what only an incision cuts.");
   }
   std::string fault() const {

@@ -214,7 +214,8 @@ void view_actions(Entries e) {
   e->label = {{"Landmarks and targets", "Landmarken und Ziele"}};
   e->run = does([](Player& p, Words& w) { p.view().show_places(w.on(!p.view().stage().state.markers.empty())); });
   e.add("dust", "on|off|toggle",
-        {{"bone dust, and the saline that washes it away", "Knochenstaub, und die Spülung, die ihn abwäscht"}});
+        {{"bone dust, blood, and the saline that washes them away",
+          "Knochenstaub, Blut, und die Spülung, die sie abwäscht"}});
   e->label = {{"Bone dust", "Knochenstaub"}};
   e->keys = {{GLFW_KEY_D, How::press, "toggle"}};
   e->run = does([](Player& p, Words& w) {

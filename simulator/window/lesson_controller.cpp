@@ -129,7 +129,7 @@ texts::Answer LessonController::give(const std::string& name) {
           n != haptics::belt_command::finish)
         return texts::NoteId::lesson_is_paused;
       if (n == haptics::belt_command::finish) {
-        if (questions_->waits_for_errors()) questions_->found(critical_errors(facts()));  // also of the last second
+        if (questions_->waits_for_errors()) questions_->found(happened(facts()));  // also of the last second
         if (questions_->comes_before_end(facts())) return texts::NoteId::questions_first;
       }
       if (n == haptics::belt_command::incise && !belt_->has_mark()) return texts::NoteId::marker_untouched;
@@ -180,15 +180,17 @@ void LessonController::watch(const std::vector<haptics::ServoFrame>& frames, con
     }
   }
   if (questions_->wants_errors(facts()))
-    questions_->ask([this, facts = lesson_->copy_of_facts()] { return critical_errors(*facts); });
+    questions_->ask([this, facts = lesson_->copy_of_facts()] { return happened(*facts); });
 }
 
 // As the lesson will be judged.
-std::set<std::string> LessonController::critical_errors(const lessons::LessonFacts& facts) const {
-  std::set<std::string> errors;
-  for (const lessons::CriticalError& e : module_.score(facts, loaded_, before_, rubric_.rubric).critical)
-    errors.insert(e.rule.error);
-  return errors;
+Happened LessonController::happened(const lessons::LessonFacts& facts) const {
+  lessons::LessonScore score = module_.score(facts, loaded_, before_, rubric_.rubric);
+  lessons::judge_decisions(score, facts, questions_->asked(), *rubric_.common, manifest_.case_token, true);
+  Happened happened;
+  for (const lessons::CriticalError& e : score.critical) happened.errors.insert(e.rule.error);
+  happened.flows = lessons::flows_of(score);
+  return happened;
 }
 
 std::vector<lessons::LessonStatus> LessonController::status() const {
@@ -200,8 +202,10 @@ lessons::LessonField LessonController::field(Vec3 middle_mm) const {
                        : lessons::LessonField{middle_mm, 0, 220, {0, 1, 0}, {}};
 }
 
-lessons::LessonFluid LessonController::fluid() const {
-  return module_.fluid ? module_.fluid(lesson_->facts(), manifest_) : lessons::LessonFluid::none;
+lesson::Fluid LessonController::fluid() const {
+  for (const lessons::Flow& flow : flows())
+    if (!flow.wound && flow.runs(facts().end_s)) return flow.fluid;
+  return module_.fluid ? module_.fluid(facts(), manifest_) : lesson::Fluid::none;
 }
 
 int LessonController::verdict() const {

@@ -78,9 +78,14 @@ class LessonController {
   const lessons::LessonFacts& facts() const { return lesson_->facts(); }
   std::vector<lessons::LessonStatus> status() const;
   int verdict() const;  ///< LessonType::verdict
-  /// As lamp, drapes and what comes out of the tool show it; `middle_mm`: of what is shown.
+  /// As lamp, drapes and what comes out of the tool show it, the lesson's own fluid or a critical error's; `middle_mm`:
+  /// of what is shown.
   lessons::LessonField field(Vec3 middle_mm) const;
-  lessons::LessonFluid fluid() const;
+  lesson::Fluid fluid() const;
+  /// What critical errors led to.
+  std::vector<lessons::Flow> flows() const {
+    return judged_ ? lessons::flows_of(judged_->scored.score) : questions_->flows();
+  }
   bool of_head() const { return module_.of_head; }
   bool has_arm() const { return bool(module_.xray); }
   lessons::LessonXray xray() const { return module_.xray(*lesson_, manifest_); }  ///< where it has one
@@ -105,7 +110,7 @@ class LessonController {
  private:
   void press();
   void note_step(int tool, int command);
-  std::set<std::string> critical_errors(const lessons::LessonFacts& facts) const;
+  Happened happened(const lessons::LessonFacts& facts) const;
 
   const LessonPlay play_;
   const std::filesystem::path case_folder_;

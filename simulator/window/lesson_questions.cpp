@@ -47,10 +47,20 @@ int LessonQuestions::answer(const lessons::LessonFacts& facts, const std::string
   const auto at = std::find(all.begin(), all.end(), choice);
   if (at == all.end()) return haptics::belt_command::none;
   answered_[std::size_t(n)] = true;
+  answered_since_ = !flows_.empty();
   return haptics::belt_command::answer(n, int(at - all.begin()));
 }
 
+void LessonQuestions::found(Happened happened) {
+  errors_.merge(happened.errors);
+  flows_ = std::move(happened.flows);
+  answered_since_ = false;
+}
+
 bool LessonQuestions::waits_for_errors() const {
+  if (answered_since_) return true;
+  for (const lesson::CriticalRule& rule : rubric_.critical_errors)
+    if (rule.leads_to && !errors_.count(rule.error)) return true;
   for (std::size_t n = 0; n < asked_.size(); ++n)
     if (when(n) != Question::before && when(n) != Question::after && !errors_.count(when(n))) return true;
   return false;
@@ -67,9 +77,9 @@ bool LessonQuestions::wants_errors(const lessons::LessonFacts& facts) {
   return waits_for_errors() && facts.first_cut_s >= 0 && facts.end_s >= next_look_s_;
 }
 
-void LessonQuestions::ask(std::function<std::set<std::string>()> critical_errors) {
+void LessonQuestions::ask(std::function<Happened()> happened) {
   asked_at_ = std::chrono::steady_clock::now();
-  looking_ = std::async(std::launch::async, std::move(critical_errors));
+  looking_ = std::async(std::launch::async, std::move(happened));
 }
 
 }  // namespace trephine::window

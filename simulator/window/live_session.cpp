@@ -7,9 +7,6 @@
 #include <utility>
 
 #include "base/error.h"
-#include "scene/fluid.h"
-#include "scene/room.h"
-#include "scene/tool_solid.h"
 
 namespace trephine::window {
 namespace {
@@ -63,7 +60,9 @@ LiveSession::LiveSession(const session::SessionOptions& options, const ScreenHan
       view_(view),
       lesson_(lesson),
       notes_(notes),
-      tool_name_(options.tool.tool) {}
+      tool_name_(options.tool.tool) {
+  if (lesson_) theatre_ = std::make_unique<Theatre>(*lesson_);
+}
 
 LiveSession::~LiveSession() {
   end_ = true;
@@ -308,9 +307,12 @@ void LiveSession::follow() {
 void LiveSession::follow_lesson(const std::vector<haptics::ServoFrame>& frames) {
   lesson_->watch(frames, session_->drilling());
   lesson_->take_ink(view_.stage().state.ink_mm);
-  if (lesson_->tool().name != tool_name_ || lesson_->verdict() != verdict_ || lesson_->fluid() != fluid_)
-    show_lesson_tool();
-  show_field_of(*lesson_, view_);
+  if (lesson_->tool().name != tool_name_) {
+    tool_name_ = lesson_->tool().name;
+    press_as_needed();
+  }
+  theatre_->follow(frames, view_);
+  dust_watch_->bleed(theatre_->bleedings(), lesson_->field(view_.middle_mm()).down);
   // A device's second pedal goes on to the next step.
   bool second = false;
   for (const haptics::ServoFrame& f : frames) {
@@ -318,14 +320,6 @@ void LiveSession::follow_lesson(const std::vector<haptics::ServoFrame>& frames) 
     second = second || ((f.buttons & haptics::Drilling::mark) && !(before & haptics::Drilling::mark));
   }
   if (second) lesson_->next();
-}
-
-void LiveSession::show_lesson_tool() {
-  tool_name_ = lesson_->tool().name;
-  verdict_ = lesson_->verdict();
-  fluid_ = lesson_->fluid();
-  press_as_needed();
-  show_tool_of(*lesson_, view_);
 }
 
 // A hand of mouse and keyboard usually presses no harder than a burr needs, which would never pierce bone.
@@ -345,41 +339,6 @@ void LiveSession::ink(const haptics::ServoFrame& f) {
   if (step < 1) return;
   ink_mm_ += step;
   dots.push_back(last_ink_mm_ = at);
-}
-
-void show_tool_of(const LessonController& lesson, CaseView& view) {
-  constexpr std::array<float, 3> green{0.10f, 0.75f, 0.35f}, red{0.90f, 0.15f, 0.10f};
-  std::optional<std::array<float, 3>> colour;
-  if (const int verdict = lesson.verdict(); verdict != 0) colour = verdict > 0 ? green : red;
-  view.stage().set_tool(haptics::own_tool(lesson.tool()), colour, lesson.fluid() == lessons::LessonFluid::blood);
-  show_room_of(lesson, view);
-}
-
-void show_room_of(const LessonController& lesson, CaseView& view) {
-  // What is not in the hand lies on the tray, on the right of who looks.
-  const lessons::LessonField field = lesson.field(view.middle_mm());
-  scene::RoomParams room;
-  room.down = field.down;
-  room.head = lesson.of_head();
-  room.tray_side = field.down.y > 0 && !room.head ? 1 : -1;
-  for (const haptics::BeltToolParams& t : lesson.tools())
-    if (t.name != lesson.tool().name) room.tools.push_back(haptics::own_tool(t));
-  room.patient_mm = view.stage().scene().bounds;
-  view.stage().state.room = std::make_shared<scene::Room>(scene::make_room(room, view.stage().scene().centre_mm));
-}
-
-void show_field_of(const LessonController& lesson, CaseView& view) {
-  const lessons::LessonField field = lesson.field(view.middle_mm());
-  if (field.open_mm > 0 && !lesson.has_arm()) view.open_field_mm = field.centre_mm;
-  view.stands_from = norm(field.from) > 0 ? std::optional<Vec3>(field.from) : std::nullopt;
-  scene::SceneState& state = view.stage().state;
-  state.theatre = scene::TheatreField{field.centre_mm, field.open_mm, field.lamp_mm};
-  state.drops.clear();
-  if (lesson.fluid() != lessons::LessonFluid::csf) return;
-  const haptics::ToolParams tool = haptics::own_tool(lesson.tool());
-  const haptics::ServoFrame& f = view.frame();
-  state.drops = scene::csf_drops(vec(f.proxy_mm), normalized(vec(f.axis)), field.down, 0.5 * tool.tool_diameter_mm,
-                                 scene::tail_mm(tool), f.time_s);
 }
 
 }  // namespace trephine::window

@@ -13,6 +13,7 @@
 #include "window/hand.h"
 #include "window/lesson_controller.h"
 #include "window/notes.h"
+#include "window/theatre.h"
 
 namespace trephine::window {
 
@@ -62,7 +63,6 @@ class LiveSession {
   void tell_screen();
   void follow();
   void follow_lesson(const std::vector<haptics::ServoFrame>& frames);
-  void show_lesson_tool();
   void press_as_needed();
   void ink(const haptics::ServoFrame& frame);
 
@@ -71,6 +71,7 @@ class LiveSession {
   std::shared_ptr<session::Patient> patient_;
   CaseView& view_;
   LessonController* lesson_;
+  std::unique_ptr<Theatre> theatre_;  // of the lesson
   Notes& notes_;
   std::atomic<bool> end_{false};
   std::unique_ptr<session::Session> session_;
@@ -91,16 +92,8 @@ class LiveSession {
   double ink_mm_ = 0, servo_hz_ = 0, late_us_ = 0, wall_s_ = 0, rate_wall_s_ = 0;
   std::uint64_t rate_ticks_ = 0;
   std::uint32_t seen_buttons_ = 0, faults_ = 0, session_faults_ = 0;
-  int sessions_ = 0, verdict_ = 0;
-  lessons::LessonFluid fluid_ = lessons::LessonFluid::none;
+  int sessions_ = 0;
   bool recorded_ = false, failed_ = false, many_incisions_ = false;
 };
-
-/// The tool in the lesson's hand as a view shows it: in green where it succeeded, in red where it failed.
-void show_tool_of(const LessonController& lesson, CaseView& view);
-/// Table, drapes, and the tools that are not in the hand.
-void show_room_of(const LessonController& lesson, CaseView& view);
-/// The lesson's field in the light of a theatre, with what comes out of the tool.
-void show_field_of(const LessonController& lesson, CaseView& view);
 
 }  // namespace trephine::window

@@ -56,8 +56,7 @@ void Player::set_stage() {
   make_view(patient_, params);
   if (lesson_) {
     for (double& opacity : view_->stage().state.opacity) opacity = 1;
-    show_field_of(*lesson_, *view_);
-    show_room_of(*lesson_, *view_);
+    Theatre(*lesson_).show(*view_);
     if (params.view == scene::ViewPreset::surgeon) view_->set_view("surgeon");  // where the lesson's surgeon stands
   } else
     view_->stage().state.ghost_mm = ghost_mm_;
@@ -117,7 +116,10 @@ void Player::begin_review() {
   shown_->paused = true;
   if (xrays_) shots_ = std::make_unique<ShotReview>(lesson_->shots());
   shown_->show_tool(*view_);
-  show_tool_of(*lesson_, *view_);
+  Theatre theatre(*lesson_);
+  theatre.show(*view_);
+  view_->stage().state.drops.clear();  // they are of the moment, which a review leaves
+  shown_->bleed(theatre.bleedings(), lesson_->field(view_->middle_mm()).down);
   const lessons::ScoreSum sum = lessons::sum_of(lesson_->scored()->score);
   texts::Note note{texts::NoteId::judged,
                    {std::to_string(sum.points), std::to_string(sum.most)},

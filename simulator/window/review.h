@@ -22,6 +22,8 @@ class ShownRecording {
   void step(double wall_s, CaseView& view);
   void show_tool(CaseView& view);
   void go_to(double time_s) { playback_->go_to(time_s); }
+  /// What bleeds in it; `down` (unit): where it runs.
+  void bleed(std::vector<scene::Bleeding> bleedings, Vec3 down) { dust_.bleed(std::move(bleedings), down); }
   const session::Playback& playback() const { return *playback_; }
   const std::string& tool() const { return tool_name_; }
   bool paused = false;

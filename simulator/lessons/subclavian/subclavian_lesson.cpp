@@ -151,7 +151,7 @@ LessonType subclavian_lesson() {
   m.status = [](const LessonFacts& facts) { return status_of(own(facts)); };
   m.field = [](const LessonFacts& facts, const cases::CaseManifest&) { return field_of(own(facts)); };
   m.fluid = [](const LessonFacts& facts, const cases::CaseManifest&) {
-    return own(facts).blood_s >= 0 ? LessonFluid::blood : LessonFluid::none;
+    return own(facts).blood_s >= 0 ? lesson::Fluid::venous_blood : lesson::Fluid::none;
   };
   m.verdict = [](const LessonFacts& facts, const AnyParams& rubric) {
     const NeedleColour c = needle_colour(own(facts), rubric.as<SubclavianRubric>());

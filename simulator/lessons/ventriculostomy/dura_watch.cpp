@@ -30,7 +30,7 @@ void DuraWatch::tick(const haptics::ServoFrame& f, bool drilling, std::optional<
   facts->burr_s += f.dt_s;
   facts->burr_n = std::max(facts->burr_n, force_n);
   over_s_ = bears_n_ > 0 && force_n > bears_n_ ? over_s_ + f.dt_s : 0;
-  facts->breached = facts->breached || over_s_ >= breach_s - 1e-9;
+  if (!facts->breach && over_s_ >= breach_s - 1e-9) facts->breach = last_;
 }
 
 }  // namespace trephine::lessons

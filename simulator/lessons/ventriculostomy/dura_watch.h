@@ -22,7 +22,8 @@ struct DuraFacts {
   double burr_s = 0;          ///< how long a running burr pressed on it
   double burr_n = 0;          ///< its largest force in that time
   double burr_first_s = -1;   ///< when it first did; -1: never
-  bool breached = false;      ///< with more than the dura bears (pop_through_n of its material), for breach_s on end
+  /// When it had pressed with more than the dura bears (pop_through_n of its material) for breach_s on end.
+  std::optional<DuraPop> breach;
 };
 /// A shorter press is none that cuts: decision 20 of docs/developers/decisions.md.
 constexpr double breach_s = 0.01;

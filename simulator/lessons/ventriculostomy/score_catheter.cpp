@@ -301,13 +301,19 @@ texts::Phrase unreached_goal(const Scoring& s) {
 void note_critical(const Scoring& s, LessonScore& score) {
   CriticalErrors errors(s.rubric.critical_errors, score);
   const VentriculostomyFacts& f = s.facts;
-  if (f.dura && f.dura->breached) errors.happened("dura_by_burr", "the burr breached the dura", f.dura->burr_first_s);
+  const auto through = [&](Vec3 source) -> std::optional<Wound> {
+    if (!f.hole) return {};
+    return Wound{source, f.hole->outer_mm, std::max(2.5, f.burr_mm)};
+  };
+  if (f.dura && f.dura->breach)
+    errors.happened("dura_by_burr", "the burr breached the dura", f.dura->breach->time_s,
+                    through(f.dura->breach->at_mm));
   for (const CatheterPass& pass : f.passes)
     for (const PassPoint& p : pass.path) {
       const std::string name = s.critical_at(pass, p);
       std::string said = name;
       std::replace(said.begin(), said.end(), '_', ' ');
-      if (!name.empty()) errors.happened(name, "the catheter passed the " + said, p.time_s);
+      if (!name.empty()) errors.happened(name, "the catheter passed the " + said, p.time_s, through(pass.entry_mm));
     }
   if (!f.task.empty()) {
     const double own_side = f.task == "left" ? 1 : -1;
@@ -377,7 +383,7 @@ LessonScore score_ventriculostomy(const VentriculostomyFacts& facts, const cases
   };
   score.advice = detail::advice_of(s, score);
   of_dura("dura_passed", [](const DuraFacts& d) { return !d.pops.empty(); });
-  of_dura("dura_breached", [](const DuraFacts& d) { return d.breached; });
+  of_dura("dura_breached", [](const DuraFacts& d) { return d.breach.has_value(); });
   of_dura("burr_on_dura_n", [](const DuraFacts& d) { return d.burr_n; });
   return score;
 }

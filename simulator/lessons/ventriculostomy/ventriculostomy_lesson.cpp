@@ -47,7 +47,7 @@ Json json_of(const VentriculostomyFacts& f) {
                    {"burr_first_s", moment(f.dura->burr_first_s)},
                    {"burr_s", f.dura->burr_s},
                    {"burr_n", f.dura->burr_n},
-                   {"breached", f.dura->breached}};
+                   {"breached", f.dura->breach.has_value()}};
   }
   Json holes = Json::array();
   for (const BoneHole& h : f.holes)
@@ -179,7 +179,7 @@ std::vector<LessonStatus> status_of(const VentriculostomyFacts& f) {
   }
   if (f.dura)
     all.push_back({"dura", "Dura",
-                   f.dura->breached            ? "breached by the burr"
+                   f.dura->breach              ? "breached by the burr"
                    : !f.dura->pops.empty()     ? "passed"
                    : f.dura->burr_first_s >= 0 ? "reached by the burr"
                                                : "-"});
@@ -206,12 +206,12 @@ LessonField field_of(const VentriculostomyFacts& f, const cases::CaseManifest& m
 }
 
 // A catheter drains as long as its tip is in the ventricles.
-LessonFluid fluid_of(const VentriculostomyFacts& f, const cases::CaseManifest& manifest) {
-  if (f.passes.empty() || f.passes.back().path.empty()) return LessonFluid::none;
+lesson::Fluid fluid_of(const VentriculostomyFacts& f, const cases::CaseManifest& manifest) {
+  if (f.passes.empty() || f.passes.back().path.empty()) return lesson::Fluid::none;
   const CatheterPass& pass = f.passes.back();
   const bool drawn_out = pass.end_s < f.end_s && !pass.in_place;
-  return !drawn_out && pass.path.back().inside == head_shapes_of(manifest).ventricles ? LessonFluid::csf
-                                                                                      : LessonFluid::none;
+  return !drawn_out && pass.path.back().inside == head_shapes_of(manifest).ventricles ? lesson::Fluid::csf
+                                                                                      : lesson::Fluid::none;
 }
 
 texts::Phrase outcome(const LessonFacts& facts, const LessonScore& score) {
@@ -287,6 +287,8 @@ LessonType ventriculostomy_lesson() {
   };
   m.texts = {{"burr {} mm", "Bohrer {} mm"},
              {"burr diamond {} mm", "Diamantbohrer {} mm"},
+             {"suction", "Sauger"},
+             {"irrigation", "Spülung"},
              {"Mark: the pedal draws", "Anzeichnen: das Pedal zeichnet"},
              {"Erase the traces", "Spuren löschen"},
              {"Incise the skin at the last mark", "Haut an der letzten Marke einschneiden"},

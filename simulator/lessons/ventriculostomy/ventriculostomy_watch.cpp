@@ -49,6 +49,10 @@ std::vector<haptics::BeltToolParams> ventriculostomy_tools() {
     static_cast<haptics::ToolParams&>(other) = haptics::own_tool(other);
     all.push_back(other);
   }
+  for (const char* name : {"suction", "irrigation"}) {
+    all.push_back(tool_of(name, name));
+    all.back().blunt = true;
+  }
   return all;
 }
 

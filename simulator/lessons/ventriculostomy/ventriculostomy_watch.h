@@ -12,8 +12,8 @@
 
 namespace trephine::lessons {
 
-/// The tools of the lesson [Rizzi, chapter 7.1]: a marker, a burr, and a catheter; and burrs of other widths, which a
-/// participant may take instead.
+/// The tools of the lesson [Rizzi, chapter 7.1]: a marker, a burr, and a catheter; burrs of other widths, which a
+/// participant may take instead; and suction and saline, for what bleeds.
 std::vector<haptics::BeltToolParams> ventriculostomy_tools();
 
 /// The shapes of a case that the lesson knows, by number; 0 where there is none.
