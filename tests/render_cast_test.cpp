@@ -4,10 +4,9 @@
 #include <algorithm>
 #include <random>
 
-#include "base/srgb.h"
 #include "cast/transfer_edit.h"
 #include "cast_phantoms.h"
-#include "render_scene.h"
+#include "render_cast_scene.h"
 #include "scratch_folder.h"
 
 namespace trephine::drawing {
@@ -64,31 +63,6 @@ scene::SceneData scene_of(const Phantom& p) {
   return s;
 }
 
-struct Difference {
-  double median = 255, p95 = 255;
-  int covered = 0;
-};
-
-Difference compare(const trephine::scene::Picture& is, const cast::CastPicture& reference,
-                   const trephine::scene::Picture& behind) {
-  std::vector<int> off;
-  int covered = 0;
-  for (std::size_t n = 0; n < reference.rgba.size(); ++n) {
-    const std::array<float, 4>& r = reference.rgba[n];
-    const bool drawn = !std::equal(is.rgb.begin() + std::ptrdiff_t(3 * n), is.rgb.begin() + std::ptrdiff_t(3 * n + 3),
-                                   behind.rgb.begin() + std::ptrdiff_t(3 * n));
-    if (!(r[3] > 0) && !drawn) continue;
-    ++covered;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const double light = double(r[c]) + (1 - double(r[3])) * linear_of_srgb(behind.rgb[3 * n + c] / 255.0);
-      off.push_back(std::abs(int(is.rgb[3 * n + c]) - int(std::lround(255 * srgb_of_linear(std::min(1.0, light))))));
-    }
-  }
-  if (off.empty()) return {};
-  std::sort(off.begin(), off.end());
-  return {double(off[off.size() / 2]), double(off[off.size() * 95 / 100]), covered};
-}
-
 class RenderCast : public Picture {
  protected:
   // How far the renderer's picture is from the reference, with the sheet before and behind parts of the volume.
@@ -126,22 +100,14 @@ class RenderCast : public Picture {
       }
     return all;
   }
-
-  static scene::EyeView eye_of_picture(const Phantom& p, Vec3 toward) {
-    scene::EyeView e = casting::eye_at(p.voxels, toward, 40);
-    e.left *= double(width) / height;
-    e.right_edge *= double(width) / height;
-    return e;
-  }
 };
 
-constexpr double median_most = 2, p95_most = 8;  // of 255
 const Vec3 sides[] = {{0.3, -0.5, 0.8}, {1, 0.05, 0.02}, {-0.6, -0.7, -0.3}};
 
 TEST_F(RenderCast, IsThePictureOfTheReference) {
   const Phantom phantoms[] = {hard(), veil(), lumps()};
   for (int n = 0; n < 3; ++n) {
-    const Difference d = difference(phantoms[n], eye_of_picture(phantoms[n], sides[n]), false);
+    const Difference d = difference(phantoms[n], eye_of_picture(phantoms[n].voxels, sides[n]), false);
     EXPECT_GT(d.covered, 15000);
     EXPECT_LE(d.median, median_most);
     EXPECT_LE(d.p95, p95_most);
@@ -150,7 +116,7 @@ TEST_F(RenderCast, IsThePictureOfTheReference) {
 
 TEST_F(RenderCast, IsBeforeAndBehindSurfaces) {
   for (const Phantom& p : {hard(), veil(), lumps()}) {
-    const scene::EyeView eye = eye_of_picture(p, sides[0]);
+    const scene::EyeView eye = eye_of_picture(p.voxels, sides[0]);
     const Difference d = difference(p, eye, true);
     EXPECT_GT(d.covered, 15000);
     EXPECT_LE(d.median, median_most);
@@ -163,13 +129,13 @@ TEST_F(RenderCast, EndsAtThePlaneAndTheBox) {
     const Vec3 middle = casting::middle_of(p.voxels);
     cast::CastParams params;
     params.cut = scene::CutPlane{middle, {0.2, -0.3, 1}};
-    const Difference cut = difference(p, eye_of_picture(p, sides[0]), false, params);
+    const Difference cut = difference(p, eye_of_picture(p.voxels, sides[0]), false, params);
     EXPECT_GT(cut.covered, 8000);
     EXPECT_LE(cut.median, median_most);
     EXPECT_LE(cut.p95, p95_most);
     params.cut.reset();
     params.box = surface::Bounds{middle - Vec3{8, 20, 9}, middle + Vec3{7, 5, 10}};
-    const Difference box = difference(p, eye_of_picture(p, sides[0]), false, params);
+    const Difference box = difference(p, eye_of_picture(p.voxels, sides[0]), false, params);
     EXPECT_GT(box.covered, 3000);
     EXPECT_LT(box.covered, cut.covered);
     EXPECT_LE(box.median, median_most);
@@ -182,7 +148,7 @@ TEST_F(RenderCast, FollowsCuts) {
   Phantom p = hard();
   render::RenderQuality quality;
   quality.samples = 1;
-  const scene::EyeView eye = eye_of_picture(p, sides[0]);
+  const scene::EyeView eye = eye_of_picture(p.voxels, sides[0]);
   scene::SceneState state;
   state.opacity = {0};
   const cast::CastTable table(p.functions);
@@ -219,18 +185,18 @@ TEST_F(RenderCast, RefinesWhenTheViewStandsStill) {
   renderer.rays().show(&p.voxels, table);
   quality.cast_ms = 1;  // nothing is so quick
   renderer.set_quality(quality);
-  scene::EyeView eye = eye_of_picture(p, sides[0]);
+  scene::EyeView eye = eye_of_picture(p.voxels, sides[0]);
   for (int n = 0; n < 8; ++n) {
-    eye = eye_of_picture(p, sides[0] + Vec3{0.02 * n, 0, 0});
+    eye = eye_of_picture(p.voxels, sides[0] + Vec3{0.02 * n, 0, 0});
     drawn(renderer, eye, state);
   }
-  const trephine::scene::Picture moving = drawn(renderer, eye_of_picture(p, sides[0]), state);
+  const trephine::scene::Picture moving = drawn(renderer, eye_of_picture(p.voxels, sides[0]), state);
   EXPECT_LT(renderer.rays().scale(), 0.5);
   trephine::scene::Picture still = moving;
-  for (int n = 0; n < 6; ++n) still = drawn(renderer, eye_of_picture(p, sides[0]), state);
+  for (int n = 0; n < 6; ++n) still = drawn(renderer, eye_of_picture(p.voxels, sides[0]), state);
   EXPECT_EQ(renderer.rays().scale(), 1);
   EXPECT_NE(still.rgb, moving.rgb);
-  EXPECT_EQ(still.rgb, drawn(whole, eye_of_picture(p, sides[0]), state).rgb);
+  EXPECT_EQ(still.rgb, drawn(whole, eye_of_picture(p.voxels, sides[0]), state).rgb);
 }
 
 // However slowly a tool goes, rays are cast anew when it has left where it was when they were.
@@ -246,7 +212,7 @@ TEST_F(RenderCast, SeesAToolThatCreeps) {
   state.tip_mm = casting::middle_of(p.voxels);
   render::Renderer renderer(scene_of(p), quality);
   renderer.rays().show(&p.voxels, cast::CastTable(p.functions));
-  const scene::EyeView eye = eye_of_picture(p, sides[0]);
+  const scene::EyeView eye = eye_of_picture(p.voxels, sides[0]);
   for (int n = 0; n < 8; ++n) drawn(renderer, eye, state);
   ASSERT_EQ(renderer.rays().scale(), 1);
   int moved = 0;
@@ -306,7 +272,7 @@ TEST_F(RenderCastStage, FollowsCutsAfterARefusal) {
   const scene::OrbitCamera camera = scene::camera_of(view_, loaded_.manifest, stage.scene());
   const trephine::scene::Picture before = shot(stage, camera);
   for (const auto& [what, transfer] :
-       {std::pair(scene::ViewParams::Cast::haptic, ""), std::pair(scene::ViewParams::Cast::none, "bones")})
+       {std::pair(scene::ViewParams::Cast::haptic, "bone"), std::pair(scene::ViewParams::Cast::none, "bones")})
     EXPECT_THROW(stage.cast(what, transfer), Error);
   EXPECT_EQ(shot(stage, camera).rgb, before.rgb);
   drill::DirtyBricks marks(loaded_.haptic.voxels);
@@ -373,8 +339,9 @@ TEST_F(RenderCastStage, SaysWhatTheCaseHasNot) {
     }
     return "";
   };
-  EXPECT_EQ(refused(scene::ViewParams::Cast::haptic, ""),
-            "--cast haptic: the case's haptic volume holds shapes, no HU, and is drawn as surfaces; `ct` casts its CT");
+  EXPECT_EQ(
+      refused(scene::ViewParams::Cast::haptic, "bone"),
+      "--transfer is of HU, and the case's haptic volume holds shapes; --opacity says how opaque each of them is");
   EXPECT_EQ(refused(scene::ViewParams::Cast::ct, "bones").substr(0, 17), "--transfer bones:");
   loaded_.ct = {};
   view_.cast = scene::ViewParams::Cast::none;

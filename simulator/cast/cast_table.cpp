@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "base/srgb.h"
+#include "cast/cast_shapes.h"
 
 namespace trephine::cast {
 
@@ -65,11 +66,21 @@ std::vector<voxel::TransferFunction> functions_of(const cases::CaseHaptic& hapti
   return all;
 }
 
-CastBricks::CastBricks(const grid::Grid<std::int16_t>& voxels, const CastTable& table) {
-  for (std::size_t a = 0; a < 3; ++a) size[a] = (voxels.size[a] + side - 1) / side;
+void CastBricks::begin(const grid::Lattice& lattice) {
+  for (std::size_t a = 0; a < 3; ++a) size[a] = (lattice.size[a] + side - 1) / side;
   clear.assign(std::size_t(size[0]) * std::size_t(size[1]) * std::size_t(size[2]), 1);
+}
+
+CastBricks::CastBricks(const grid::Grid<std::int16_t>& voxels, const CastTable& table) {
+  begin(voxels);
   range_hu.resize(clear.size());
   look(voxels, table, grid::whole_box(voxels));
+  find_distances();
+}
+
+CastBricks::CastBricks(const CastShapes& shapes) {
+  begin(shapes.voxels());
+  look(shapes, grid::whole_box(shapes.voxels()));
   find_distances();
 }
 
@@ -78,7 +89,9 @@ void CastBricks::look(const CastTable& table) {
   find_distances();
 }
 
-void CastBricks::look(const grid::Grid<std::int16_t>& voxels, const CastTable& table, const grid::Box& box) {
+// Whether a brick shows something says shows(its number, its first voxel, its last).
+template <class Shows>
+void CastBricks::look_again(const grid::Lattice& lattice, const grid::Box& box, const Shows& shows) {
   std::array<int, 3> first, last;
   for (std::size_t a = 0; a < 3; ++a) {
     first[a] = std::max(0, (box.begin[a] - 1) / side);
@@ -88,26 +101,44 @@ void CastBricks::look(const grid::Grid<std::int16_t>& voxels, const CastTable& t
   parallel_for(first[2], last[2] + 1, 1, [&](std::int64_t z, std::int64_t) {
     for (int y = first[1]; y <= last[1]; ++y)
       for (int x = first[0]; x <= last[0]; ++x) {
-        int least = 32767, most = -32768;
-        const int at[3] = {x * side, y * side, int(z) * side};
-        int end[3];
-        for (int a = 0; a < 3; ++a) end[a] = std::min(at[a] + side, voxels.size[std::size_t(a)] - 1);
-        for (int k = at[2]; k <= end[2]; ++k)
-          for (int j = at[1]; j <= end[1]; ++j)
-            for (int i = at[0]; i <= end[0]; ++i) {
-              // A servo loop may be cutting.
-              const int hu = __atomic_load_n(&voxels.voxels[voxels.index(i, j, k)], __ATOMIC_RELAXED);
-              least = std::min(least, hu);
-              most = std::max(most, hu);
-            }
-        range_hu[index(x, y, int(z))] = {std::int16_t(least), std::int16_t(most)};
-        std::uint8_t& is = clear[index(x, y, int(z))];
-        const bool shows = table.sees(least, most);
-        if (shows && is != 0) comes = true;
-        is = shows ? 0 : std::max<std::uint8_t>(is, 1);
+        const std::array<int, 3> at{x * side, y * side, int(z) * side};
+        std::array<int, 3> end;
+        for (std::size_t a = 0; a < 3; ++a) end[a] = std::min(at[a] + side, lattice.size[a] - 1);
+        const std::size_t n = index(x, y, int(z));
+        std::uint8_t& is = clear[n];
+        const bool seen = shows(n, at, end);
+        if (seen && is != 0) comes = true;
+        is = seen ? 0 : std::max<std::uint8_t>(is, 1);
       }
   });
   if (comes) find_distances();
+}
+
+void CastBricks::look(const grid::Grid<std::int16_t>& voxels, const CastTable& table, const grid::Box& box) {
+  look_again(voxels, box, [&](std::size_t n, const std::array<int, 3>& at, const std::array<int, 3>& end) {
+    int least = 32767, most = -32768;
+    for (int k = at[2]; k <= end[2]; ++k)
+      for (int j = at[1]; j <= end[1]; ++j)
+        for (int i = at[0]; i <= end[0]; ++i) {
+          // A servo loop may be cutting.
+          const int hu = __atomic_load_n(&voxels.voxels[voxels.index(i, j, k)], __ATOMIC_RELAXED);
+          least = std::min(least, hu);
+          most = std::max(most, hu);
+        }
+    range_hu[n] = {std::int16_t(least), std::int16_t(most)};
+    return table.sees(least, most);
+  });
+}
+
+void CastBricks::look(const CastShapes& shapes, const grid::Box& box) {
+  const grid::Grid<CastShapes::Voxel>& v = shapes.voxels();
+  look_again(v, box, [&](std::size_t, const std::array<int, 3>& at, const std::array<int, 3>& end) {
+    for (int k = at[2]; k <= end[2]; ++k)
+      for (int j = at[1]; j <= end[1]; ++j)
+        for (int i = at[0]; i <= end[0]; ++i)
+          if (shapes.sees(v.at(i, j, k))) return true;
+    return false;
+  });
 }
 
 // The chessboard distance to what is shown, in two passes over the 26 neighbours; beyond the volume nothing is.

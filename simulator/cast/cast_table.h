@@ -10,6 +10,8 @@
 
 namespace trephine::cast {
 
+class CastShapes;
+
 /// What is seen of HU, as ray casters read it: an entry for each whole HU, linear between them.
 class CastTable {
  public:
@@ -44,14 +46,16 @@ struct CastBricks {
   std::array<int, 3> size{0, 0, 0};
   /// 0: the brick shows something; n: it does not, nor do those less than n bricks away along each axis.
   std::vector<std::uint8_t> clear;
-  /// The lowest and the highest HU of the voxels that a brick's cells read.
+  /// The lowest and the highest HU of the voxels that a brick's cells read; of shapes none.
   std::vector<std::array<std::int16_t, 2>> range_hu;
 
   CastBricks() = default;
   CastBricks(const grid::Grid<std::int16_t>& voxels, const CastTable& table);
+  explicit CastBricks(const CastShapes& shapes);
   /// Looks again at those that read the voxels of the box. What a cut makes clear costs only that; where something is
   /// shown that was clear, all the distances are made again.
   void look(const grid::Grid<std::int16_t>& voxels, const CastTable& table, const grid::Box& box);
+  void look(const CastShapes& shapes, const grid::Box& box);
   /// By another table, of the same voxels: none of them is read.
   void look(const CastTable& table);
   std::size_t index(int i, int j, int k) const {
@@ -59,6 +63,9 @@ struct CastBricks {
   }
 
  private:
+  void begin(const grid::Lattice& lattice);
+  template <class Shows>
+  void look_again(const grid::Lattice& lattice, const grid::Box& box, const Shows& shows);
   void find_distances();
 };
 

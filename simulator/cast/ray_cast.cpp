@@ -2,6 +2,7 @@
 #include "cast/ray_cast.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -13,28 +14,100 @@ namespace {
 
 constexpr double nowhere = std::numeric_limits<double>::infinity();
 
-double trilinear(const grid::Grid<std::int16_t>& v, Vec3 at) {
-  int begin[3], step[3];
-  double f[3];
-  for (int a = 0; a < 3; ++a) {
-    const int size = v.size[std::size_t(a)];
-    const double x = std::clamp(at[a], 0.0, double(size - 1));
-    begin[a] = std::min(int(x), std::max(0, size - 2));
-    step[a] = size > 1 ? 1 : 0;
-    f[a] = x - begin[a];
-  }
-  double plane[2];
-  for (int k = 0; k < 2; ++k) {
-    double row[2];
-    for (int j = 0; j < 2; ++j) {
-      const std::size_t n = v.index(begin[0], begin[1] + j * step[1], begin[2] + k * step[2]);
-      const double a = v.voxels[n], b = v.voxels[n + std::size_t(step[0])];
-      row[j] = a + f[0] * (b - a);
+// The eight voxels about a place, and where between them it lies.
+struct Cell {
+  std::array<std::size_t, 8> voxel;
+  std::array<double, 3> fraction;
+
+  Cell(const grid::Lattice& l, Vec3 at) {
+    int begin[3], step[3];
+    for (int a = 0; a < 3; ++a) {
+      const int size = l.size[std::size_t(a)];
+      const double x = std::clamp(at[a], 0.0, double(size - 1));
+      begin[a] = std::min(int(x), std::max(0, size - 2));
+      step[a] = size > 1 ? 1 : 0;
+      fraction[std::size_t(a)] = x - begin[a];
     }
-    plane[k] = row[0] + f[1] * (row[1] - row[0]);
+    for (int c = 0; c < 8; ++c)
+      voxel[std::size_t(c)] =
+          l.index(begin[0] + (c & 1) * step[0], begin[1] + (c >> 1 & 1) * step[1], begin[2] + (c >> 2) * step[2]);
   }
-  return plane[0] + f[2] * (plane[1] - plane[0]);
+  // Of eight equal values exactly that value.
+  template <class Value>
+  double between(const Value& value) const {
+    std::array<double, 8> v;
+    for (std::size_t c = 0; c < 8; ++c) v[c] = value(voxel[c]);
+    for (std::size_t a = 0, n = 4; a < 3; ++a, n /= 2)
+      for (std::size_t c = 0; c < n; ++c) v[c] = v[2 * c] + fraction[a] * (v[2 * c + 1] - v[2 * c]);
+    return v[0];
+  }
+  double weight(std::size_t corner) const {
+    double w = 1;
+    for (std::size_t a = 0; a < 3; ++a) w *= (corner >> a & 1) ? fraction[a] : 1 - fraction[a];
+    return w;
+  }
+};
+
+template <class Value>
+Vec3 gradient_of(const grid::Lattice& l, Vec3 at, const Value& value) {
+  Vec3 gradient;  // along the lattice's axes, a mm
+  for (int a = 0; a < 3; ++a) {
+    Vec3 one;
+    one[a] = 1;
+    gradient[a] = (value(at + one) - value(at - one)) / (2 * l.spacing_mm[a]);
+  }
+  return gradient;
 }
+
+// What is seen of HU at a place, in voxels, and how they rise there.
+struct HuField {
+  const grid::Grid<std::int16_t>& voxels;
+  const CastTable& table;
+
+  double hu(Vec3 at) const {
+    return Cell(voxels, at).between([&](std::size_t n) { return double(voxels.voxels[n]); });
+  }
+  CastTable::Entry entry(Vec3 at) const { return table.at(hu(at)); }
+  Vec3 gradient(Vec3 at) const {
+    return gradient_of(voxels, at, [&](Vec3 p) { return hu(p); });
+  }
+};
+
+// The same of shapes.
+struct ShapeField {
+  const CastShapes& shapes;
+  const grid::Grid<CastShapes::Voxel>& voxels;
+
+  double share(int number, const Cell& cell) const {
+    return cell.between([&](std::size_t n) {
+      const CastShapes::Voxel& v = voxels.voxels[n];
+      return double(v.number == number ? v.share : v.rest == number ? voxel::haptic_full - v.share : 0);
+    });
+  }
+  // Of all that meets in the cell, only what wins a vote can have half of it; 0 where that has less, or is empty.
+  int number(Vec3 at) const {
+    const Cell cell(voxels, at);
+    int leads = 0;
+    double by = 0;
+    const auto vote = [&](int n, double weight) {
+      by += n == leads ? weight : -weight;
+      if (by >= 0) return;
+      leads = n;
+      by = -by;
+    };
+    for (std::size_t c = 0; c < 8; ++c) {
+      const CastShapes::Voxel& v = voxels.voxels[cell.voxel[c]];
+      vote(v.number, cell.weight(c) * v.share);
+      vote(v.rest, cell.weight(c) * (voxel::haptic_full - v.share));
+    }
+    return leads != 0 && share(leads, cell) >= 0.5 * voxel::haptic_full ? leads : 0;
+  }
+  CastTable::Entry entry(Vec3 at) const { return shapes.entries()[std::size_t(number(at))]; }
+  Vec3 gradient(Vec3 at) const {
+    const int n = number(at);
+    return gradient_of(voxels, at, [&](Vec3 p) { return share(n, Cell(voxels, p)) * (shape_hu / voxel::haptic_full); });
+  }
+};
 
 // Leaves of a ray's part from `begin` to `end` what lies between two planes: low <= from + along * t <= high.
 void between(double from, double along, double low, double high, double& begin, double& end) {
@@ -47,17 +120,17 @@ void between(double from, double along, double low, double high, double& begin, 
   end = std::min(end, std::max(a, b));
 }
 
+template <class Field>
 class Caster {
  public:
-  Caster(const grid::Grid<std::int16_t>& voxels, const CastTable& table, const CastBricks& bricks,
-         const scene::EyeView& eye, const CastParams& params)
-      : voxels_(voxels),
-        table_(table),
+  Caster(const Field& field, const CastBricks& bricks, const scene::EyeView& eye, const CastParams& params)
+      : field_(field),
+        voxels_(field.voxels),
         bricks_(bricks),
         eye_(eye),
         params_(params),
-        step_mm_(step_of(params, voxels)),
-        from_(voxels.to_index(eye.eye_mm)) {}
+        step_mm_(step_of(params, voxels_)),
+        from_(voxels_.to_index(eye.eye_mm)) {}
 
   struct Seen {
     std::array<float, 4> rgba{0, 0, 0, 0};
@@ -118,7 +191,7 @@ class Caster {
   }
 
  private:
-  CastTable::Entry entry(Vec3 along, double t) const { return table_.at(trilinear(voxels_, from_ + along * t)); }
+  CastTable::Entry entry(Vec3 along, double t) const { return field_.entry(from_ + along * t); }
 
   // Where opacity begins between a place that is clear, or the ray's begin, and one that is not.
   double first(Vec3 along, double low, double high) const {
@@ -147,13 +220,7 @@ class Caster {
 
   std::array<double, 3> lit_colour(const CastTable::Entry& e, Vec3 along, double t, Vec3 direction,
                                    double lit_share) const {
-    const Vec3 at = from_ + along * t;
-    Vec3 gradient;  // HU/mm along the lattice's axes
-    for (int a = 0; a < 3; ++a) {
-      Vec3 one;
-      one[a] = 1;
-      gradient[a] = (trilinear(voxels_, at + one) - trilinear(voxels_, at - one)) / (2 * voxels_.spacing_mm[a]);
-    }
+    const Vec3 gradient = field_.gradient(from_ + along * t);
     const double steep = norm(gradient);
     const double share = lit_share * std::min(1.0, steep / unlit_hu_per_mm);
     const Vec3 world = voxels_.direction * gradient, to_eye = seen_by_eye(-direction);
@@ -171,14 +238,36 @@ class Caster {
 
   Vec3 seen_by_eye(Vec3 v) const { return {dot(v, eye_.right), dot(v, eye_.up), dot(v, eye_.toward)}; }
 
-  const grid::Grid<std::int16_t>& voxels_;
-  const CastTable& table_;
+  const Field& field_;
+  const grid::Lattice& voxels_;
   const CastBricks& bricks_;
   const scene::EyeView& eye_;
   const CastParams& params_;
   const double step_mm_;
   const Vec3 from_;
 };
+
+template <class Field>
+CastPicture cast_of(const Field& field, const CastBricks& bricks, const scene::EyeView& eye, int width, int height,
+                    const CastParams& params) {
+  CastPicture picture{width, height, {}, {}, {}};
+  const std::size_t pixels = std::size_t(width) * std::size_t(height);
+  picture.rgba.resize(pixels);
+  picture.begins_mm.resize(pixels);
+  picture.hides_mm.resize(pixels);
+  const Caster<Field> caster(field, bricks, eye, params);
+  parallel_for(0, height, 1, [&](std::int64_t y, std::int64_t) {
+    for (int x = 0; x < width; ++x) {
+      const std::size_t n = std::size_t(y) * std::size_t(width) + std::size_t(x);
+      const double surface = params.surface_mm.empty() ? nowhere : double(params.surface_mm[n]);
+      const typename Caster<Field>::Seen seen = caster.ray(eye.ray(x + 0.5, double(y) + 0.5, width, height), surface);
+      picture.rgba[n] = seen.rgba;
+      picture.begins_mm[n] = float(seen.begins_mm);
+      picture.hides_mm[n] = float(seen.hides_mm);
+    }
+  });
+  return picture;
+}
 
 }  // namespace
 
@@ -188,23 +277,12 @@ double step_of(const CastParams& params, const grid::Lattice& l) {
 
 CastPicture cast_rays(const grid::Grid<std::int16_t>& voxels, const CastTable& table, const CastBricks& bricks,
                       const scene::EyeView& eye, int width, int height, const CastParams& params) {
-  CastPicture picture{width, height, {}, {}, {}};
-  const std::size_t pixels = std::size_t(width) * std::size_t(height);
-  picture.rgba.resize(pixels);
-  picture.begins_mm.resize(pixels);
-  picture.hides_mm.resize(pixels);
-  const Caster caster(voxels, table, bricks, eye, params);
-  parallel_for(0, height, 1, [&](std::int64_t y, std::int64_t) {
-    for (int x = 0; x < width; ++x) {
-      const std::size_t n = std::size_t(y) * std::size_t(width) + std::size_t(x);
-      const double surface = params.surface_mm.empty() ? nowhere : double(params.surface_mm[n]);
-      const Caster::Seen seen = caster.ray(eye.ray(x + 0.5, double(y) + 0.5, width, height), surface);
-      picture.rgba[n] = seen.rgba;
-      picture.begins_mm[n] = float(seen.begins_mm);
-      picture.hides_mm[n] = float(seen.hides_mm);
-    }
-  });
-  return picture;
+  return cast_of(HuField{voxels, table}, bricks, eye, width, height, params);
+}
+
+CastPicture cast_rays(const CastShapes& shapes, const CastBricks& bricks, const scene::EyeView& eye, int width,
+                      int height, const CastParams& params) {
+  return cast_of(ShapeField{shapes, shapes.voxels()}, bricks, eye, width, height, params);
 }
 
 }  // namespace trephine::cast

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "cast/cast_table.h"
+#include "cast/cast_shapes.h"
 #include "scene/scene.h"
 
 namespace trephine::cast {
@@ -38,9 +38,14 @@ struct CastPicture {
 /// light is left. The same bytes whatever the thread count. render/cast_shader.cpp does the same in GLSL.
 CastPicture cast_rays(const grid::Grid<std::int16_t>& voxels, const CastTable& table, const CastBricks& bricks,
                       const scene::EyeView& eye, int width, int height, const CastParams& params = {});
+/// The same of shapes, between voxel centres as CastShapes says. Light falls by the gradient of the occupancy of the
+/// shape that is seen, and has no direction where that is below 0.05 a mm.
+CastPicture cast_rays(const CastShapes& shapes, const CastBricks& bricks, const scene::EyeView& eye, int width,
+                      int height, const CastParams& params = {});
 
 constexpr double least_light = 0.01;    ///< a ray ends where less is left
 constexpr double unlit_hu_per_mm = 50;  ///< below that gradient the light has no direction
+constexpr double shape_hu = 1000;       ///< for the light, a whole occupancy counts as so many HU
 constexpr int halvings = 5;
 constexpr double cut_steps = 4;  ///< behind the face of a cut, over which light comes to have a direction
 

@@ -18,15 +18,16 @@ namespace {
 constexpr double least_scale = 0.2, moving_step = 2;  // of a picture's sides; of a whole picture's step
 constexpr int table_row = 1024;
 
-std::string definitions() {
+std::string definitions(bool shapes) {
   return fmt::format(
-      "#version 430 core\n#define KEY_LIGHT vec3({:.9f}, {:.9f}, {:.9f})\n#define TABLE_LOW ({:.1f})\n#define "
+      "#version 430 core\n{}#define FULL {}u\n#define SHAPE_HU {:.1f}\n#define KEY_LIGHT vec3({:.9f}, {:.9f}, "
+      "{:.9f})\n#define TABLE_LOW ({:.1f})\n#define "
       "TABLE_COUNT "
       "{}\n#define BRICK {:.1f}\n#define UNLIT {:.1f}\n#define HALVINGS {}\n#define CUT_STEPS {:.1f}\n#define LEAST "
       "{:.6f}\n",
-      scene::key_light[0], scene::key_light[1], scene::key_light[2], double(cast::CastTable::low_hu),
-      cast::CastTable::count, double(cast::CastBricks::side), cast::unlit_hu_per_mm, cast::halvings, cast::cut_steps,
-      cast::least_light);
+      shapes ? "#define SHAPES\n" : "", voxel::haptic_full, cast::shape_hu, scene::key_light[0], scene::key_light[1],
+      scene::key_light[2], double(cast::CastTable::low_hu), cast::CastTable::count, double(cast::CastBricks::side),
+      cast::unlit_hu_per_mm, cast::halvings, cast::cut_steps, cast::least_light);
 }
 
 bool equal(const Vec3& a, const Vec3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
@@ -48,40 +49,59 @@ GlObject target_texture(GLenum format, GLenum layout, int w, int h, GLint how) {
 
 }  // namespace
 
-CastPass::CastPass(const grid::Grid<std::int16_t>& voxels, cast::CastTable table)
-    : voxels_(voxels),
-      casting_(shaders::screen_vertex, (definitions() + shaders::cast_fragment).c_str()),
-      over_(shaders::screen_vertex, (definitions() + shaders::cast_over_fragment).c_str()),
-      depth_(shaders::screen_vertex, (definitions() + "#define DEPTH\n" + shaders::cast_over_fragment).c_str()),
+CastPass::CastPass(const grid::Lattice& lattice, bool shapes)
+    : lattice_(lattice),
+      casting_(shaders::screen_vertex, (definitions(shapes) + shaders::cast_fragment).c_str()),
+      over_(shaders::screen_vertex, (definitions(false) + shaders::cast_over_fragment).c_str()),
+      depth_(shaders::screen_vertex, (definitions(false) + "#define DEPTH\n" + shaders::cast_over_fragment).c_str()),
       empty_array_(make_vertex_array()),
       voxels_texture_(make_texture()),
       bricks_texture_(make_texture()),
       table_texture_(make_texture()) {
-  if (const int most = *std::max_element(voxels.size.begin(), voxels.size.end()); most > Renderer::max_ct_side())
+  if (const int most = *std::max_element(lattice.size.begin(), lattice.size.end()); most > Renderer::max_ct_side())
     throw Error(ExitCode::io, "", "cast",
                 fmt::format("the volume has {} voxels along a side, the graphics driver takes {}", most,
                             Renderer::max_ct_side()));
   glBindTexture(GL_TEXTURE_3D, voxels_texture_);
-  glTexImage3D(GL_TEXTURE_3D, 0, GL_R16_SNORM, voxels.size[0], voxels.size[1], voxels.size[2], 0, GL_RED, GL_SHORT,
-               nullptr);
-  set_filter(GL_TEXTURE_3D, GL_LINEAR, GL_CLAMP_TO_EDGE);
+  glTexImage3D(GL_TEXTURE_3D, 0, shapes ? GL_RGBA8UI : GL_R16_SNORM, lattice.size[0], lattice.size[1], lattice.size[2],
+               0, shapes ? GL_RGBA_INTEGER : GL_RED, shapes ? GL_UNSIGNED_BYTE : GL_SHORT, nullptr);
+  set_filter(GL_TEXTURE_3D, shapes ? GL_NEAREST : GL_LINEAR, GL_CLAMP_TO_EDGE);
+}
+
+CastPass::CastPass(const grid::Grid<std::int16_t>& voxels, cast::CastTable table) : CastPass(voxels, false) {
+  hu_ = &voxels;
   set_table(std::move(table));
   follow(grid::whole_box(voxels));
   check_gl("a volume");
 }
 
+CastPass::CastPass(const cast::CastShapes& shapes) : CastPass(shapes.voxels(), true) {
+  shapes_ = &shapes;
+  follow_opacities();
+  follow(grid::whole_box(lattice_));
+  check_gl("a volume");
+}
+
 void CastPass::set_table(cast::CastTable table) {
   table_ = std::move(table);
-  glBindTexture(GL_TEXTURE_2D, table_texture_);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, table_row, cast::CastTable::count / table_row, 0, GL_RGBA, GL_FLOAT,
-               table_.entries().data());
-  set_filter(GL_TEXTURE_2D, GL_NEAREST, GL_CLAMP_TO_EDGE);
+  upload_table(table_row, cast::CastTable::count / table_row, table_.entries().data());
   if (bricks_.clear.empty())
-    bricks_ = cast::CastBricks(voxels_, table_);
+    bricks_ = cast::CastBricks(*hu_, table_);
   else
     bricks_.look(table_);
   upload_bricks();
-  changed_ = true;
+}
+
+void CastPass::follow_opacities() {
+  upload_table(cast::CastShapes::count, 1, shapes_->entries().data());
+  bricks_ = cast::CastBricks(*shapes_);
+  upload_bricks();
+}
+
+void CastPass::upload_table(int width, int height, const cast::CastTable::Entry* entries) {
+  glBindTexture(GL_TEXTURE_2D, table_texture_);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, width, height, 0, GL_RGBA, GL_FLOAT, entries);
+  set_filter(GL_TEXTURE_2D, GL_NEAREST, GL_CLAMP_TO_EDGE);
 }
 
 void CastPass::upload_bricks() {
@@ -90,30 +110,41 @@ void CastPass::upload_bricks() {
   glTexImage3D(GL_TEXTURE_3D, 0, GL_R8, bricks_.size[0], bricks_.size[1], bricks_.size[2], 0, GL_RED, GL_UNSIGNED_BYTE,
                bricks_.clear.data());
   set_filter(GL_TEXTURE_3D, GL_NEAREST, GL_CLAMP_TO_EDGE);
+  changed_ = true;
 }
 
-void CastPass::follow(const grid::Box& changed) {
-  const grid::Box box = grid::grown(changed, 0, voxels_);
-  if (box.empty()) return;
-  std::vector<std::int16_t> part;
+template <class Voxel, class Read>
+void CastPass::upload_voxels(const grid::Box& box, GLenum layout, GLenum kind, const Read& read) {
+  std::vector<Voxel> part;
   const int size[3] = {box.end[0] - box.begin[0], box.end[1] - box.begin[1], box.end[2] - box.begin[2]};
   glBindTexture(GL_TEXTURE_3D, voxels_texture_);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   for (int k = box.begin[2]; k < box.end[2]; ++k) {
     part.clear();
     for (int j = box.begin[1]; j < box.end[1]; ++j)
-      for (int i = box.begin[0]; i < box.end[0]; ++i)  // a servo loop may be cutting
-        part.push_back(__atomic_load_n(&voxels_.voxels[voxels_.index(i, j, k)], __ATOMIC_RELAXED));
-    glTexSubImage3D(GL_TEXTURE_3D, 0, box.begin[0], box.begin[1], k, size[0], size[1], 1, GL_RED, GL_SHORT,
-                    part.data());
+      for (int i = box.begin[0]; i < box.end[0]; ++i) part.push_back(read(lattice_.index(i, j, k)));
+    glTexSubImage3D(GL_TEXTURE_3D, 0, box.begin[0], box.begin[1], k, size[0], size[1], 1, layout, kind, part.data());
   }
-  bricks_.look(voxels_, table_, box);
+}
+
+void CastPass::follow(const grid::Box& changed) {
+  const grid::Box box = grid::grown(changed, 0, lattice_);
+  if (box.empty()) return;
+  if (hu_) {
+    upload_voxels<std::int16_t>(box, GL_RED, GL_SHORT, [&](std::size_t n) {  // a servo loop may be cutting
+      return __atomic_load_n(&hu_->voxels[n], __ATOMIC_RELAXED);
+    });
+    bricks_.look(*hu_, table_, box);
+  } else {
+    upload_voxels<cast::CastShapes::Voxel>(box, GL_RGBA_INTEGER, GL_UNSIGNED_BYTE,
+                                           [&](std::size_t n) { return shapes_->voxels().voxels[n]; });
+    bricks_.look(*shapes_, box);
+  }
   upload_bricks();
-  changed_ = true;
 }
 
 std::size_t CastPass::bytes() const {
-  return voxels_.count() * sizeof(std::int16_t) + bricks_.clear.size() +
+  return lattice_.count() * (hu_ ? sizeof(std::int16_t) : sizeof(cast::CastShapes::Voxel)) + bricks_.clear.size() +
          table_.entries().size() * sizeof(cast::CastTable::Entry) + std::size_t(width_) * std::size_t(height_) * 12;
 }
 
@@ -156,7 +187,7 @@ void CastPass::draw(const PictureTargets& targets, KeptFences& kept, const scene
     make_target(std::max(1, int(std::lround(width * scale_))), std::max(1, int(std::lround(height * scale_))));
     if (!whole) wait_for_driver();
     const auto begin = std::chrono::steady_clock::now();
-    cast(targets, kept, sight, cast::step_of({}, voxels_) * (whole || !moved ? 1 : moving_step));
+    cast(targets, kept, sight, cast::step_of({}, lattice_) * (whole || !moved ? 1 : moving_step));
     if (!whole && moved) {
       wait_for_driver();
       const double took = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
@@ -190,17 +221,17 @@ void CastPass::cast(const PictureTargets& targets, KeptFences& kept, const Sight
   casting_.set("frustum", float(e.left), float(e.right_edge), float(e.bottom), float(e.top));
   casting_.set("planes", float(e.near_mm), float(e.far_mm));
   casting_.set("picture", float(width_), float(height_));
-  const Vec3 from = voxels_.to_index(e.eye_mm), axes[3] = {e.right, e.up, e.toward};
+  const Vec3 from = lattice_.to_index(e.eye_mm), axes[3] = {e.right, e.up, e.toward};
   std::array<Vec3, 3> to_voxels, to_eye, to_box;
   for (std::size_t c = 0; c < 3; ++c) {
-    to_voxels[c] = voxels_.to_index(voxels_.origin_mm + axes[c]);
+    to_voxels[c] = lattice_.to_index(lattice_.origin_mm + axes[c]);
     to_box[c] = axes[c];
-    const Vec3 axis = voxels_.direction.column[c];
+    const Vec3 axis = lattice_.direction.column[c];
     to_eye[c] = {dot(axis, e.right), dot(axis, e.up), dot(axis, e.toward)};
   }
   casting_.set("from", from);
-  casting_.set("size", float(voxels_.size[0]), float(voxels_.size[1]), float(voxels_.size[2]));
-  casting_.set("spacing_mm", voxels_.spacing_mm);
+  casting_.set("size", float(lattice_.size[0]), float(lattice_.size[1]), float(lattice_.size[2]));
+  casting_.set("spacing_mm", lattice_.spacing_mm);
   casting_.set("brick_count", float(bricks_.size[0]), float(bricks_.size[1]), float(bricks_.size[2]));
   casting_.set("to_voxels", map_of(to_voxels));
   casting_.set("to_eye", map_of(to_eye));

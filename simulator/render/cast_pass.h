@@ -14,8 +14,14 @@ class CastPass {
  public:
   /// `voxels` must outlive it. Throws Error 74 where the graphics memory does not suffice or a side is too long.
   CastPass(const grid::Grid<std::int16_t>& voxels, cast::CastTable table);
+  /// Shapes, which must outlive it.
+  explicit CastPass(const cast::CastShapes& shapes);
+  /// Of HU.
   void set_table(cast::CastTable table);
-  const grid::Grid<std::int16_t>& voxels() const { return voxels_; }
+  /// Of the shapes, as they are now.
+  void follow_opacities();
+  bool is_of(const grid::Grid<std::int16_t>& voxels) const { return hu_ == &voxels; }
+  bool is_of(const cast::CastShapes& shapes) const { return shapes_ == &shapes; }
   /// Voxels of the box have changed; what of it lies beyond the volume is left out.
   void follow(const grid::Box& changed);
   /// Over what the targets' frame shows. `ms` above 0: while anything moves, a cast has so many pixels that it takes
@@ -41,9 +47,15 @@ class CastPass {
   void make_target(int width, int height);
   void cast(const PictureTargets& targets, KeptFences& kept, const Sight& sight, double step_mm);
   void lay_over(const PictureTargets& targets, KeptFences& kept, const Sight& sight);
+  CastPass(const grid::Lattice& lattice, bool shapes);
+  void upload_table(int width, int height, const cast::CastTable::Entry* entries);
   void upload_bricks();
+  template <class Voxel, class Read>
+  void upload_voxels(const grid::Box& box, GLenum layout, GLenum kind, const Read& read);
 
-  const grid::Grid<std::int16_t>& voxels_;
+  const grid::Lattice& lattice_;
+  const grid::Grid<std::int16_t>* hu_ = nullptr;  // it, or
+  const cast::CastShapes* shapes_ = nullptr;      // these
   cast::CastTable table_;
   cast::CastBricks bricks_;
   GlProgram casting_, over_, depth_;

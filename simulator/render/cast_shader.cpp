@@ -7,7 +7,12 @@ namespace trephine::render::shaders {
 // eye's axes, places in voxels. What need not be done stands in a loop of one turn or none: a processor that draws runs
 // both sides of a branch, and leaves out a loop of no turns.
 const char* const cast_fragment = R"(
-uniform sampler3D voxels, bricks;
+#ifdef SHAPES
+uniform usampler3D voxels;
+#else
+uniform sampler3D voxels;
+#endif
+uniform sampler3D bricks;
 uniform sampler2D table, depth;
 uniform vec4 frustum;  // left, right, bottom, top at distance 1
 uniform vec2 planes, picture;  // near and far; pixels
@@ -21,6 +26,46 @@ uniform vec2 seen_hu;
 layout(location = 0) out vec4 colour;
 layout(location = 1) out float hides_mm;
 
+#ifdef SHAPES
+uint seen;  // the shape that entry() found
+
+uvec4 voxel_at(ivec3 first, int c) { return texelFetch(voxels, min(first + ivec3(c & 1, c >> 1 & 1, c >> 2), ivec3(size) - 1), 0); }
+float weight_of(vec3 f, int c) {
+  vec3 w = mix(1 - f, f, vec3(c & 1, c >> 1 & 1, c >> 2));
+  return w.x * w.y * w.z;
+}
+float share_of(uvec4 v, uint number) { return float(v.r == number ? v.g : v.b == number ? FULL - v.g : 0u); }
+float hu_at(vec3 at) {
+  at = clamp(at, vec3(0), size - 1);
+  ivec3 first = ivec3(at);
+  float sum = 0;
+  for (int c = 0; c < 8; ++c) sum += weight_of(at - first, c) * share_of(voxel_at(first, c), seen);
+  return sum * (SHAPE_HU / float(FULL));
+}
+
+void vote(uint number, float weight, inout float by) {
+  by += number == seen ? weight : -weight;
+  if (by < 0) {
+    seen = number;
+    by = -by;
+  }
+}
+vec4 entry(vec3 at) {
+  at = clamp(at, vec3(0), size - 1);
+  ivec3 first = ivec3(at);
+  uvec4 v[8];
+  float w[8], by = 0, sum = 0;
+  seen = 0u;
+  for (int c = 0; c < 8; ++c) {
+    v[c] = voxel_at(first, c);
+    w[c] = weight_of(at - first, c);
+    vote(v[c].r, w[c] * float(v[c].g), by);
+    vote(v[c].b, w[c] * float(FULL - v[c].g), by);
+  }
+  for (int c = 0; c < 8; ++c) sum += w[c] * share_of(v[c], seen);
+  return seen != 0u && sum >= 0.5 * float(FULL) ? texelFetch(table, ivec2(seen, 0), 0) : vec4(0);
+}
+#else
 float hu_at(vec3 at) { return textureLod(voxels, (at + 0.5) / size, 0).r * 32767; }
 
 // Where nothing is seen, the table is not read.
@@ -35,6 +80,7 @@ vec4 entry(vec3 at) {
   }
   return e;
 }
+#endif
 
 void between(float start, float along, float low, float high, inout float begin, inout float end) {
   if (abs(along) < 1e-7) {

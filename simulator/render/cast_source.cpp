@@ -51,14 +51,47 @@ void CastSource::show(Renderer& renderer, Cast what, const std::string& transfer
     renderer.rays().show(&ct_, cast::CastTable(functions));
   } else {
     if (!loaded_.has_haptic()) refuse("haptic", "the case has no haptic volume");
-    if (loaded_.haptic.encoding != voxel::HapticEncoding::hu)
-      refuse("haptic", "the case's haptic volume holds shapes, no HU, and is drawn as surfaces; `ct` casts its CT");
-    if (functions.empty()) functions = cast::functions_of(loaded_.manifest.haptic);
-    renderer.rays().show(&loaded_.haptic.voxels, cast::CastTable(functions));
+    if (loaded_.haptic.encoding == voxel::HapticEncoding::occupancy) {
+      if (!functions.empty())
+        throw Error(ExitCode::usage, "", "--transfer",
+                    "is of HU, and the case's haptic volume holds shapes; --opacity says how opaque each of them is");
+      show_shapes(renderer);
+    } else {
+      if (functions.empty()) functions = cast::functions_of(loaded_.manifest.haptic);
+      renderer.rays().show(&loaded_.haptic.voxels, cast::CastTable(functions));
+    }
   }
   if (what != Cast::ct) ct_ = {};
+  if (what != Cast::haptic) shapes_.reset();
   what_ = what;
   functions_ = std::move(functions);
+}
+
+void CastSource::show_shapes(Renderer& renderer) {
+  if (shapes_) return;  // they have followed each cut
+  shapes_.emplace(loaded_.haptic, loaded_.manifest.haptic);
+  try {
+    renderer.rays().show(*shapes_);
+  } catch (...) {
+    shapes_.reset();
+    throw;
+  }
+}
+
+std::optional<scene::SceneState> CastSource::show_opacities(Renderer& renderer, const scene::SceneData& scene,
+                                                            const scene::SceneState& state) {
+  if (!shapes_) return std::nullopt;
+  scene::SceneState beside = state;
+  bool changed = false;
+  for (std::size_t n = 0; n < scene.surfaces.size() && n < state.opacity.size(); ++n) {
+    const int shape = scene.surfaces[n].shape;
+    if (shape == 0) continue;
+    beside.opacity[n] = 0;
+    changed = changed || float(state.opacity[n]) != shapes_->entries()[std::size_t(shape)][3];
+    shapes_->set_opacity(shape, state.opacity[n]);
+  }
+  if (changed) renderer.rays().show(*shapes_);
+  return beside;
 }
 
 void CastSource::show(Renderer& renderer, const voxel::TransferFunction& resolved) {
@@ -67,7 +100,7 @@ void CastSource::show(Renderer& renderer, const voxel::TransferFunction& resolve
 }
 
 const grid::Grid<std::int16_t>* CastSource::voxels() const {
-  return what_ == Cast::none ? nullptr : what_ == Cast::ct ? &ct_ : &loaded_.haptic.voxels;
+  return what_ == Cast::none || shapes_ ? nullptr : what_ == Cast::ct ? &ct_ : &loaded_.haptic.voxels;
 }
 
 void CastSource::follow(Renderer& renderer, const std::vector<std::size_t>& marked) {
@@ -77,7 +110,7 @@ void CastSource::follow(Renderer& renderer, const std::vector<std::size_t>& mark
   for (const std::size_t brick : marked) {
     const grid::Box box = voxels_of(layout, brick, haptic);
     if (what_ == Cast::haptic)
-      renderer.rays().follow(box);
+      renderer.rays().follow(shapes_ ? shapes_->follow(loaded_.haptic, box) : box);
     else
       renderer.rays().follow(follow_ct(box));
   }

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "cast/cast_table.h"
+#include "cast/cast_shapes.h"
 #include "render/context.h"
 #include "render/surface_parts.h"
 #include "scene/picture.h"
@@ -51,6 +51,8 @@ class VolumeRays {
   /// followed. Throws Error 74 where the graphics memory does not suffice, or a side of the volume is longer than
   /// max_ct_side().
   virtual void show(const grid::Grid<std::int16_t>* voxels, const cast::CastTable& table) = 0;
+  /// The same of shapes; of those of the last call, only the opacities are taken.
+  virtual void show(const cast::CastShapes& shapes) = 0;
   /// Voxels of the box have changed; what of it lies beyond the volume is left out.
   virtual void follow(const grid::Box& box) = 0;
   /// Of the last picture's sides, that share had rays of its own; 0: nothing is cast.

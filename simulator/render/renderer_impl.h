@@ -81,10 +81,16 @@ struct Renderer::Impl {
   DrawnPlanes planes;
   struct Rays : VolumeRays {
     void show(const grid::Grid<std::int16_t>* voxels, const cast::CastTable& table) override {
-      if (voxels && pass && &pass->voxels() == voxels)
+      if (voxels && pass && pass->is_of(*voxels))
         pass->set_table(table);
       else
         pass = voxels ? std::make_unique<CastPass>(*voxels, table) : nullptr;
+    }
+    void show(const cast::CastShapes& shapes) override {
+      if (pass && pass->is_of(shapes))
+        pass->follow_opacities();
+      else
+        pass = std::make_unique<CastPass>(shapes);
     }
     void follow(const grid::Box& box) override {
       if (pass) pass->follow(box);

@@ -89,7 +89,10 @@ std::size_t Stage::follow(drill::DirtyBricks& marks) {
 }
 
 void Stage::cast(scene::ViewParams::Cast what, const std::string& transfer) {
-  const auto opacity = scene::opacities_of(scene_, params_.opacity, what != scene::ViewParams::Cast::none);
+  using Cast = scene::ViewParams::Cast;
+  const bool of_shapes = what == Cast::haptic && loaded_.haptic.encoding == voxel::HapticEncoding::occupancy;
+  const auto opacity = what == Cast::none ? scene::opacities_of(scene_, params_.opacity)
+                                          : scene::opacities_beside_rays(scene_, params_.opacity, of_shapes);
   cast_source_.show(*renderer_, what, transfer);
   params_.cast = what;
   params_.transfer = transfer;
@@ -164,10 +167,11 @@ void Stage::draw(const scene::OrbitCamera& camera, int width, int height, const 
                  Vec3 head_mm) {
   const double screen_mm = params_.convergence_mm > 0 ? params_.convergence_mm : camera.distance_mm;
   const surface::Bounds& drawn_mm = state.room && !state.cut ? state.room->bounds_mm : scene_.bounds;
+  const std::optional<scene::SceneState> by_rays = cast_source_.show_opacities(*renderer_, scene_, state);
   const auto one = [&](int x, int y, int w, int h, double offset_mm, int mask, Eye which = Eye::both) {
     const scene::EyeView eye = beside(camera.eye(w, h, drawn_mm), screen_mm, head_mm + Vec3{offset_mm, 0, 0});
     const double scale = picture_scale(w, h);
-    renderer_->draw(eye, state, std::max(1, int(w * scale)), std::max(1, int(h * scale)));
+    renderer_->draw(eye, by_rays ? *by_rays : state, std::max(1, int(w * scale)), std::max(1, int(h * scale)));
     bind(which);
     renderer_->present(x, y, w, h, mask);
   };

@@ -51,10 +51,11 @@ class Stage {
                 const std::optional<std::array<float, 3>>& inside_rgb = {});
   /// Makes live surfaces and a volume that is cast follow the marked bricks; returns how many surfaces' were made anew.
   std::size_t follow(drill::DirtyBricks& marks);
-  /// Casts rays through a volume of the case, and draws what `opacity` of the view names of the anatomies alone.
+  /// Casts rays through a volume of the case, and draws what `opacity` of the view names of the anatomies alone. Where
+  /// the rays show shapes, state.opacity is theirs.
   /// Throws as CastSource::show.
   void cast(scene::ViewParams::Cast what, const std::string& transfer);
-  /// By that function from now on, what is cast; something must be.
+  /// By that function from now on, what is cast; it must be HU.
   void cast(const voxel::TransferFunction& resolved) { cast_source_.show(*renderer_, resolved); }
   const CastSource& cast_source() const { return cast_source_; }
   /// The incisions that are shown: `count` of them, from the first. Of more than Renderer::max_incisions the oldest

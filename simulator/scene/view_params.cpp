@@ -8,9 +8,9 @@
 
 namespace trephine::scene {
 
-std::vector<double> opacities_of(const SceneData& scene, const std::string& text, bool only_named) {
-  std::vector<double> all;
-  for (const SceneSurface& s : scene.surfaces) all.push_back(only_named ? 0 : s.opacity);
+namespace {
+
+std::vector<double> with_named(std::vector<double> all, const SceneData& scene, const std::string& text) {
   const auto refuse = [](const std::string& item, const std::string& what) {
     throw Error(ExitCode::usage, "", "--opacity", item + ": " + what);
   };
@@ -33,6 +33,20 @@ std::vector<double> opacities_of(const SceneData& scene, const std::string& text
     all[std::size_t(n)] = value;
   }
   return all;
+}
+
+}  // namespace
+
+std::vector<double> opacities_of(const SceneData& scene, const std::string& text) {
+  std::vector<double> own;
+  for (const SceneSurface& s : scene.surfaces) own.push_back(s.opacity);
+  return with_named(std::move(own), scene, text);
+}
+
+std::vector<double> opacities_beside_rays(const SceneData& scene, const std::string& text, bool of_shapes) {
+  std::vector<double> all;
+  for (const SceneSurface& s : scene.surfaces) all.push_back(of_shapes && s.shape != 0 ? 1 : 0);
+  return with_named(std::move(all), scene, text);
 }
 
 std::optional<CutPlane> cut_of(const ViewParams& params, const SceneData& scene) {

@@ -81,8 +81,10 @@ struct ViewParams {
         "does.");
     v.choice(
         &P::cast, "cast", {{"none", Cast::none}, {"ct", Cast::ct}, {"haptic", Cast::haptic}},
-        "Cast rays through a volume, as a transfer function shows it: the CT, or a haptic volume of raw HU. Of the "
-        "anatomies, only those are drawn then that `opacity` names.");
+        "Cast rays through a volume: the CT or a haptic volume of raw HU, as a transfer function shows it, or the "
+        "shapes "
+        "of another haptic volume, each where it is felt. Of the anatomies, only those are drawn then that `opacity` "
+        "names; of a shape it says how opaque a layer of 1 mm is.");
     v.text(
         &P::transfer, "transfer",
         "What the rays see of HU: bone, skin or vessels, or points HU:OPACITY:RRGGBB with commas between them, such as "
@@ -101,9 +103,11 @@ struct ViewParams {
   }
 };
 
-/// One opacity for each surface: the case's own, and over them those of the text; with `only_named` 0 in place of the
-/// case's. Throws Error 64 where the text names no anatomy of the scene, or a number is missing.
-std::vector<double> opacities_of(const SceneData& scene, const std::string& text, bool only_named = false);
+/// One opacity for each surface: the case's own, and over them those of the text. Throws Error 64 where the text names
+/// no anatomy of the scene, or a number is missing.
+std::vector<double> opacities_of(const SceneData& scene, const std::string& text);
+/// The same beside rays: what is not named is not drawn; where rays show shapes, each of these is opaque.
+std::vector<double> opacities_beside_rays(const SceneData& scene, const std::string& text, bool of_shapes);
 /// The box of the parameters; none where it holds all.
 std::optional<surface::Bounds> cast_box_of(const ViewParams& params, const SceneData& scene);
 /// The plane of the parameters; none where they want none.

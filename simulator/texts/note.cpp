@@ -89,7 +89,7 @@ constexpr Row table[] = {
     {NoteId::no_volume,
      {{"the case has neither a CT nor a haptic volume of raw HU",
        "es gibt weder ein CT noch ein haptisches Volumen aus HU"}}},
-    {NoteId::nothing_cast, {{"no rays are cast through a volume", "es gehen keine Strahlen durch ein Volumen"}}},
+    {NoteId::nothing_cast, {{"no rays are cast through HU", "es gehen keine Strahlen durch HU"}}},
     {NoteId::several_functions,
      {{"each shape has a function of its own: begin with one of them, or with a preset",
        "jede Form hat eine eigene Funktion: mit einer davon beginnen, oder mit einer Vorgabe"}}},

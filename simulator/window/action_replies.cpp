@@ -53,12 +53,19 @@ Reply cast_volume(Player& p, Words& w) {
   return {};
 }
 
-std::vector<std::string> cast_choices(const Player& p) {
+std::vector<std::string> hu_choices(const Player& p) {
   const cases::LoadedCase& loaded = p.view().stage().loaded();
   std::vector<std::string> all;
   if (loaded.has_haptic() && loaded.haptic.encoding == voxel::HapticEncoding::hu) all.push_back("haptic");
   if (loaded.has_ct())
     for (const char* preset : {"bone", "skin", "vessels"}) all.push_back(std::string("ct ") + preset);
+  return all;
+}
+
+std::vector<std::string> cast_choices(const Player& p) {
+  std::vector<std::string> all = hu_choices(p);
+  const cases::LoadedCase& loaded = p.view().stage().loaded();
+  if (loaded.has_haptic() && loaded.haptic.encoding == voxel::HapticEncoding::occupancy) all.push_back("haptic");
   if (!all.empty()) all.insert(all.begin(), "none");
   return all;
 }

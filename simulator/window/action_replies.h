@@ -13,6 +13,8 @@ Reply zoom(Player& p, Words& w);
 Reply cast_volume(Player& p, Words& w);
 /// What of the case can be cast, as words of the action; empty where nothing is.
 std::vector<std::string> cast_choices(const Player& p);
+/// Those that show HU, by a transfer function.
+std::vector<std::string> hu_choices(const Player& p);
 Reply notes(Player& p, Screen& s, Words& w);
 
 }  // namespace trephine::window

@@ -21,7 +21,7 @@ const char* const shape_word = "shape";
 Reply show_editor(Player& p, Screen& s, Words& w) {
   s.editor_shown = w.on(s.editor_shown);
   if (s.editor_shown && !p.view().stage().cast_source().voxels()) {
-    Words first("cast", cast_choices(p).at(1));  // behind `none`
+    Words first("cast", hu_choices(p).at(0));
     return cast_volume(p, first);
   }
   return {};

@@ -48,7 +48,7 @@ texts::Answer with_marker(const Player& p) {
 
 texts::Answer with_volume(const Player& p) {
   if (const texts::Answer not_here = outside_lesson(p)) return not_here;
-  return cast_choices(p).empty() ? texts::Answer(texts::NoteId::no_volume) : texts::Answer();
+  return hu_choices(p).empty() ? texts::Answer(texts::NoteId::no_volume) : texts::Answer();
 }
 
 texts::Answer with_rays(const Player& p) {

@@ -13,7 +13,7 @@ texts::Answer of_arm(const Player& p);       ///< in a lesson with a C-arm, and 
 texts::Answer with_drill(const Player& p);   ///< where something can be cut
 texts::Answer with_burr(const Player& p);    ///< where a tool that rotates is in hand, and may be changed
 texts::Answer with_marker(const Player& p);  ///< where something can be drawn
-texts::Answer with_volume(const Player& p);  ///< outside of a lesson, where rays can show a volume
+texts::Answer with_volume(const Player& p);  ///< outside of a lesson, where rays can show a volume of HU
 texts::Answer with_rays(const Player& p);    ///< and where they do
 
 }  // namespace trephine::window

@@ -201,11 +201,12 @@ void view_actions(Entries e) {
     bool& shown = p.view().stage().state.insets;
     shown = w.on(shown);
   });
-  e.add("cast", "none|ct|haptic [TRANSFER]",
-        {{"rays through the CT or a haptic volume of raw HU, in place of surfaces; TRANSFER is bone, skin, vessels, or "
-          "points as of `--transfer`",
-          "Strahlen durch das CT oder ein haptisches Volumen aus HU, an Stelle von Flächen"}},
-        outside_lesson);
+  e.add(
+      "cast", "none|ct|haptic [TRANSFER]",
+      {{"rays through the CT or the haptic volume, in place of surfaces; TRANSFER, where these hold HU, is bone, skin, "
+        "vessels, or points as of `--transfer`",
+        "Strahlen durch das CT oder das haptische Volumen, an Stelle von Flächen"}},
+      outside_lesson);
   e->choices = cast_choices;
   e->run = does(cast_volume);
   transfer_actions(e);
