@@ -69,18 +69,27 @@ TEST(LessonsSubclavian, ScoredAgainItIsTheSameAndItReplaysBitForBit) {
   for (std::size_t n = 0; n < again.size(); ++n) ASSERT_TRUE(haptics::same_frame(again[n], d.recording.frames[n])) << n;
 }
 
+std::string syringe(const Chest::Done& d) {
+  for (const lessons::LessonStatus& s : lessons::lesson_type("subclavian").status(d.facts))
+    if (s.name == "syringe") return s.value;
+  return "";
+}
+
 TEST(LessonsSubclavian, BloodComesFromTheVeinAlone) {
   // Stopped before the vein: nothing is drawn.
   const Chest::Done before = chest().run(puncture(R"(, "short_of_mm": 18)") + R"(, "aspirate", "finish")");
   EXPECT_EQ(before.points("vein"), 1);
+  EXPECT_EQ(syringe(before), "none");
   EXPECT_EQ(colour(before), lessons::NeedleColour::red);
   // In it, and nobody draws.
   const Chest::Done dry = chest().run(puncture() + R"(, "finish")");
   EXPECT_EQ(dry.points("vein"), 3);
+  EXPECT_EQ(syringe(dry), "-");
   EXPECT_EQ(colour(dry), lessons::NeedleColour::red);
   // Drawn, and then the needle leaves.
   const Chest::Done left = chest().run(puncture() + R"(, "aspirate", "withdraw", "finish")");
   EXPECT_EQ(left.points("vein"), 2);
+  EXPECT_EQ(syringe(left), "none");
   EXPECT_EQ(colour(left), lessons::NeedleColour::red);
 }
 
@@ -89,6 +98,7 @@ TEST(LessonsSubclavian, WhatMustNotBeEnteredIsSeen) {
   EXPECT_EQ(pleura.points("lung"), 1) << pleura.row("lung").why;
   EXPECT_EQ(colour(pleura), lessons::NeedleColour::red);
   EXPECT_TRUE(pleura.facts.pleura_s >= 0 || pleura.facts.lung_s >= 0);  // it may pop through a zone of 2 mm
+  EXPECT_EQ(syringe(pleura), "air");
   // Through the vein into the artery behind it, and back into the vein: green never comes again.
   const Chest::Done artery = with_artery().run(to("[0, 18, 2]", ", \"short_of_mm\": -6") +
                                                R"(, "aspirate", {"withdraw": {"by_mm": 22}}, "aspirate", "finish")");
@@ -96,6 +106,9 @@ TEST(LessonsSubclavian, WhatMustNotBeEnteredIsSeen) {
   EXPECT_EQ(artery.points("lung"), 5);
   EXPECT_EQ(colour(artery), lessons::NeedleColour::red);
   EXPECT_FALSE(artery.score.flag("success"));
+  EXPECT_EQ(artery.facts.aspirations.front().drawn, lesson::Fluid::arterial_blood);
+  EXPECT_EQ(syringe(with_artery().run(to("[0, 18, 2]", ", \"short_of_mm\": -6") + R"(, "aspirate", "finish")")),
+            "bright blood");
 }
 
 // What examples/lessons/subclavian_lung.json is shipped for.

@@ -91,13 +91,23 @@ LessonField field_of(const SubclavianFacts& f) {
   return {middle, open, open + 2 * beyond_mm, {0, 1, 0}, {0, -1, 0}};
 }
 
+// What the syringe holds: of the vein as long as the tip is in it.
+lesson::Fluid drawn_of(const SubclavianFacts& f) {
+  if (f.blood_s >= 0) return lesson::Fluid::venous_blood;
+  const lesson::Fluid last = f.aspirations.empty() ? lesson::Fluid::none : f.aspirations.back().drawn;
+  return last == lesson::Fluid::venous_blood ? lesson::Fluid::none : last;
+}
+
 std::vector<LessonStatus> status_of(const SubclavianFacts& f) {
+  const lesson::Fluid drawn = drawn_of(f);
   return {{"passes_count", "Passes", std::to_string(f.passes.size())},
           {"aspirations_count", "Aspirations", std::to_string(f.aspirations.size())},
           {"syringe", "Syringe",
-           f.blood_s >= 0          ? "blood"
-           : f.aspirations.empty() ? "-"
-                                   : "none"}};
+           drawn == lesson::Fluid::venous_blood     ? "blood"
+           : drawn == lesson::Fluid::arterial_blood ? "bright blood"
+           : drawn == lesson::Fluid::air            ? "air"
+           : f.aspirations.empty()                  ? "-"
+                                                    : "none"}};
 }
 
 }  // namespace
@@ -139,7 +149,9 @@ LessonType subclavian_lesson() {
              {"Blood still comes.", "Es kommt noch immer Blut."},
              {"Aspirations", "Aspirationen"},
              {"Syringe", "Spritze"},
-             {"blood", "Blut"}};
+             {"blood", "Blut"},
+             {"bright blood", "hellrotes Blut"},
+             {"air", "Luft"}};
   append(m.texts, subclavian_words());
   m.guide = [](const LessonFacts&) {
     return std::vector<LessonGuide>{
@@ -150,9 +162,7 @@ LessonType subclavian_lesson() {
   };
   m.status = [](const LessonFacts& facts) { return status_of(own(facts)); };
   m.field = [](const LessonFacts& facts, const cases::CaseManifest&) { return field_of(own(facts)); };
-  m.fluid = [](const LessonFacts& facts, const cases::CaseManifest&) {
-    return own(facts).blood_s >= 0 ? lesson::Fluid::venous_blood : lesson::Fluid::none;
-  };
+  m.fluid = [](const LessonFacts& facts, const cases::CaseManifest&) { return drawn_of(own(facts)); };
   m.verdict = [](const LessonFacts& facts, const AnyParams& rubric) {
     const NeedleColour c = needle_colour(own(facts), rubric.as<SubclavianRubric>());
     return c == NeedleColour::none ? 0 : c == NeedleColour::green ? 1 : -1;

@@ -70,7 +70,14 @@ void Subclavian::tick(const haptics::ServoFrame& f, const haptics::ToolBelt& bel
 
 void Subclavian::command(int command, const haptics::ServoFrame& f, const haptics::ToolBelt&) {
   if (command != haptics::belt_command::aspirate) return;
-  facts_.aspirations.push_back({f.time_s, vec(f.proxy_mm), f.inside});
+  using lesson::Fluid;
+  const int at = f.inside;
+  const Fluid drawn = at == 0                                        ? Fluid::none
+                      : at == shapes_.vein                           ? Fluid::venous_blood
+                      : at == shapes_.artery                         ? Fluid::arterial_blood
+                      : (at == shapes_.pleura || at == shapes_.lung) ? Fluid::air
+                                                                     : Fluid::none;
+  facts_.aspirations.push_back({f.time_s, vec(f.proxy_mm), at, drawn});
   if (f.inside == shapes_.vein) facts_.blood_s = f.time_s;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include "lesson/rubric.h"
 #include "lessons/lesson.h"
 #include "lessons/subclavian/chest_frame.h"
 
@@ -31,6 +32,7 @@ struct Aspiration {
   double time_s = 0;
   Vec3 tip_mm;
   int inside = 0;  ///< the shape in which the tip was
+  lesson::Fluid drawn = lesson::Fluid::none;
 };
 
 /// All that happened in a lesson and may be scored. A time of -1: never.
