@@ -121,7 +121,7 @@ TEST(BoneDust, OnlyADrillOnWhatItRemovesMakesIt) {
 TEST(BoneDust, BloodWellsUpAndIsStopped) {
   const Vec3 at{40, -30, 120}, down{0, 1, 0};
   scene::BoneDust dust;
-  dust.bleed({{at, at, 0, 6, 1, 11}}, down);  // a hole without depth
+  dust.bleed({{at, at, 0, 6, 4, 14}}, down);  // a hole without depth
   scene::BoneDust::Tick tick;
   const auto until = [&](double time_s) {
     for (; tick.time_s < time_s - 1e-9; tick.time_s += tick.dt_s) dust.add(tick);
@@ -133,9 +133,13 @@ TEST(BoneDust, BloodWellsUpAndIsStopped) {
   };
   until(0.9);
   EXPECT_FALSE(dust.any()) << "before it happened";
-  for (const double s : {3.0, 6.0, 11.0}) {
+  tick.runs = tick.cuts = true;  // dust lies elsewhere before it bleeds
+  tick.tip_mm = at + Vec3{-6, 0, 0};
+  dust.add(tick);
+  tick.runs = tick.cuts = false;
+  for (const double s : {6.0, 9.0, 14.0}) {
     until(s);
-    const double radius_mm = std::cbrt(3e3 * 0.1 * (s - 1) / (4 * M_PI));
+    const double radius_mm = std::cbrt(3e3 * 0.1 * (s - 4) / (4 * M_PI));
     EXPECT_NEAR(reach_mm({1, 0, 0}), radius_mm, 1.2 * scene::BoneDust::cell_mm) << s;
     EXPECT_NEAR(reach_mm({0, 0, -1}), radius_mm, 1.2 * scene::BoneDust::cell_mm) << s;
   }

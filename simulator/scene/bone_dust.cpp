@@ -79,8 +79,8 @@ void BoneDust::add(const Tick& t) {
       std::any_of(pools_.begin(), pools_.end(), [&](const Pool& p) { return p.of.begin_s <= t.time_s; });
   if (bleeds && !any()) stay_about(pools_.front().of.mouth_mm);
   if (!any()) return;
-  since_pool_s_ += t.dt_s;
-  if (bleeds && since_pool_s_ >= pool_each_s) well_up(t.time_s);
+  since_pool_s_ = bleeds ? since_pool_s_ + t.dt_s : 0;
+  if (since_pool_s_ >= pool_each_s) well_up(t.time_s);
   since_wash_s_ += t.dt_s;
   since_dry_s_ += t.dt_s;
   if (since_wash_s_ >= wash_each_s) {
