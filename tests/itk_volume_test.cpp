@@ -256,6 +256,9 @@ TEST_F(Volumes, ValuesMustBeSaidAndLookLikeHu) {
   other = ct;
   for (auto& v : other.voxels) v = static_cast<std::int16_t>(v / 2);
   EXPECT_NE(refused(other, dicom::VolumeValues::hu).find("does not lie at air"), std::string::npos);
+  other = ct;  // a picture's grey values
+  for (auto& v : other.voxels) v = static_cast<std::int16_t>(std::clamp(v + 1024, 0, 4095) / 17);
+  EXPECT_NE(refused(other, dicom::VolumeValues::hu).find("8-bit"), std::string::npos);
   other = ct;  // padding around the field of view is air
   other.voxels[0] = -3024;
   EXPECT_EQ(refused(other, dicom::VolumeValues::hu), "");

@@ -61,8 +61,11 @@ std::int64_t count_between(const Counts& c, int low_hu, int high_hu) {
 void require_hu(const Counts& c) {
   const auto refuse = [](const std::string& what) {
     throw Error(ExitCode::bad_input, "", "volume_values",
-                "the values do not look like HU: " + what + "; if they are not, give any");
+                Message("the values do not look like HU: " + what + "; ") + Setting{"volume_values", "any"} +
+                    " takes them for what they are, of another modality");
   };
+  if (c.min >= 0 && c.max <= 255)
+    refuse("all lie from 0 to 255, as those of an 8-bit picture, in which HU are lost: export the CT with 16 bits");
   if (c.min >= -200)
     refuse(
         fmt::format("the smallest is {:g}, and air has -1000 (a CT stored without its offset of -1024, or with what "
