@@ -132,4 +132,6 @@ TEST(Theatre, TheMonitorIsOfUsefulSizeAndDarkByChoice) {
   const fluoro::FluoroPicture picture{2, {0, 200, 255, 10}};
   EXPECT_EQ(fluoro::shown_grey(picture, fluoro::MetalShown::bright), picture.grey);
   EXPECT_EQ(fluoro::shown_grey(picture, fluoro::MetalShown::dark), (std::vector<std::uint8_t>{255, 55, 0, 245}));
+  EXPECT_EQ(fluoro::shown_grey(picture, fluoro::MetalShown::bright, true),
+            (std::vector<std::uint8_t>{200, 0, 10, 255}));
 }

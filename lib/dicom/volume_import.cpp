@@ -67,10 +67,8 @@ void require_hu(const Counts& c) {
   if (c.min >= 0 && c.max <= 255)
     refuse("all lie from 0 to 255, as those of an 8-bit picture, in which HU are lost: export the CT with 16 bits");
   if (c.min >= -200)
-    refuse(
-        fmt::format("the smallest is {:g}, and air has -1000 (a CT stored without its offset of -1024, or with what "
-                    "surrounds the patient cut away)",
-                    c.min));
+    refuse(fmt::format("the smallest is {:g}, and air has -1000 (without its offset of -1024, or cut at the skin)",
+                       c.min));
   const std::int64_t light = count_between(c, first_hu, -500), air = count_between(c, -1025, -875);
   if (light == 0 || double(air) < 0.3 * double(light)) refuse("what is lighter than lung does not lie at air, -1000");
   if (double(c.soft) < min_soft_share * double(c.all))

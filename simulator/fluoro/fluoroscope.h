@@ -61,6 +61,7 @@ class Fluoroscope {
 
 /// How a monitor shows it: bone and metal bright, as on a film, or dark, as on most C-arms.
 enum class MetalShown { bright, dark };
-std::vector<std::uint8_t> shown_grey(const FluoroPicture& picture, MetalShown how);
+/// `flipped`: left and right exchanged.
+std::vector<std::uint8_t> shown_grey(const FluoroPicture& picture, MetalShown how, bool flipped = false);
 
 }  // namespace trephine::fluoro

@@ -296,6 +296,11 @@ void arm_actions(Entries e) {
   e.add("", "", {{"tilt it by 5 degrees", "kippen ihn um 5 Grad"}}, of_arm);
   e->keys = {{GLFW_KEY_PAGE_UP, How::again, "tilt_more"}, {GLFW_KEY_PAGE_DOWN, How::again, "tilt_less"}};
   e->run = does(move_arm);
+  e.add("flip", "on|off|toggle",
+        {{"exchanges left and right of its picture", "vertauschen links und rechts des Bildes"}}, of_arm);
+  e->label = {{"Flip", "Spiegeln"}};
+  e->keys = {{GLFW_KEY_Q, How::press, "toggle"}};
+  e->run = does([](Player& p, Words& w) { p.xrays()->flipped = w.on(p.xrays()->flipped); });
   e.add(
       "xray", "",
       {{"answers how the C-arm stands, and of the picture: size, where the needle's tip is in it, how long it took; in "

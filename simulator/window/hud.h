@@ -56,8 +56,8 @@ class Hud {
   TransferDiagram diagram_;
   cast::HuHistogram histogram_;
   std::pair<const grid::Grid<std::int16_t>*, int> counted_{nullptr, 0};  // the volume of the histogram, and its stage
-  unsigned texture_ = 0;          // of the fluoroscopic picture; 0 before the first
-  std::uint64_t in_texture_ = 0;  // XrayPictures::made of what it holds
+  unsigned texture_ = 0;                                 // of the fluoroscopic picture; 0 before the first
+  std::pair<std::uint64_t, bool> in_texture_{0, false};  // XrayPictures::made and flipped of what it holds
 };
 
 }  // namespace trephine::window

@@ -16,8 +16,8 @@ using namespace hud;
 namespace {
 
 // The picture as the texture that is bound: one channel, shown as grey.
-void upload(const fluoro::FluoroPicture& picture, fluoro::MetalShown how) {
-  const std::vector<std::uint8_t> grey = fluoro::shown_grey(picture, how);
+void upload(const fluoro::FluoroPicture& picture, fluoro::MetalShown how, bool flipped) {
+  const std::vector<std::uint8_t> grey = fluoro::shown_grey(picture, how, flipped);
   glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, picture.size, picture.size, 0, GL_RED, GL_UNSIGNED_BYTE, grey.data());
@@ -39,13 +39,13 @@ void Hud::xray_picture(const XrayPictures& pictures, float edge) {
     return ImGui::Dummy({edge, edge});
   }
   if (texture_ == 0) glGenTextures(1, &texture_);
-  if (in_texture_ != pictures.made()) {
+  if (const auto now = std::pair(pictures.made(), pictures.flipped); in_texture_ != now) {
     GLint before = 0;
     glGetIntegerv(GL_TEXTURE_BINDING_2D, &before);
     glBindTexture(GL_TEXTURE_2D, texture_);
-    upload(seen->picture, metal_);
+    upload(seen->picture, metal_, pictures.flipped);
     glBindTexture(GL_TEXTURE_2D, GLuint(before));
-    in_texture_ = pictures.made();
+    in_texture_ = now;
   }
   ImGui::Image(reinterpret_cast<ImTextureID>(std::intptr_t(texture_)), {edge, edge});
   const auto letters = fluoro::CArm(seen->arm, seen->picture.size).side_letters();
@@ -53,8 +53,9 @@ void Hud::xray_picture(const XrayPictures& pictures, float edge) {
   const float letter = ImGui::GetFontSize();
   for (const bool right : {false, true}) {
     const ImVec2 at{right ? high.x - letter : low.x + 0.4f * letter, low.y + 0.3f * letter};
-    ImGui::GetWindowDrawList()->AddText({at.x + 1, at.y + 1}, IM_COL32(0, 0, 0, 255), letters[right]);
-    ImGui::GetWindowDrawList()->AddText(at, IM_COL32(255, 200, 60, 255), letters[right]);
+    ImGui::GetWindowDrawList()->AddText({at.x + 1, at.y + 1}, IM_COL32(0, 0, 0, 255),
+                                        letters[right != pictures.flipped]);
+    ImGui::GetWindowDrawList()->AddText(at, IM_COL32(255, 200, 60, 255), letters[right != pictures.flipped]);
   }
 }
 
@@ -115,6 +116,7 @@ void Hud::xray_panel(Player& player, Screen& screen) {
   const ImVec2 room = ImGui::GetContentRegionAvail();
   xray_picture(*player.xrays(), std::max(32.f, std::min(room.x, room.y - 2.2f * letter)));
   choice_buttons("arm", player, screen, x.now.view);
+  action_box("flip", player.xrays()->flipped, player, screen);
   ImGui::End();
 }
 

@@ -129,7 +129,8 @@ class Loop {
       const fluoro::MadeFluoro* xray = player_.xrays() ? player_.xrays()->last() : nullptr;
       if (xray && (player_.live() || player_.shots()->shown() >= 0))
         write_file(file.parent_path() / (file.stem().string() + "-xray.png"),
-                   png_of(xray->picture.size, xray->picture.size, 1, fluoro::shown_grey(xray->picture, screen_.metal)));
+                   png_of(xray->picture.size, xray->picture.size, 1,
+                          fluoro::shown_grey(xray->picture, screen_.metal, player_.xrays()->flipped)));
       screen_.answer = texts::Note{texts::NoteId::verbatim, {file.string()}};
     } catch (const Error& e) {
       if (e.file().empty()) throw;  // what the driver said

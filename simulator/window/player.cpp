@@ -34,8 +34,11 @@ Player::Player(const PlayOptions& options, const std::atomic<bool>& stop) : opti
   }
   if (!options_.ghost.empty()) ghost_mm_ = way_of(options_.ghost, patient_->felt.loaded.manifest.case_token);
   if (options_.lesson) lesson_ = std::make_unique<LessonController>(*options_.lesson, *patient_, o);
-  if (lesson_ && lesson_->has_arm() && patient_->felt.loaded.has_ct())
+  if (lesson_ && lesson_->has_arm() && patient_->felt.loaded.has_ct()) {
     xrays_ = std::make_unique<XrayPictures>(patient_);
+    // As who stands behind the patient sees it.
+    xrays_->flipped = lesson_->field({}).from.y > 0;
+  }
 }
 
 void Player::make_view(std::shared_ptr<session::Patient> patient, const scene::ViewParams& params) {

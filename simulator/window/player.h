@@ -54,7 +54,8 @@ class Player {
   /// Whether the remote may say where the tip is: outside of a lesson, or where that was asked for.
   bool tells_tip() const { return !in_lesson() || options_.remote_tells_all; }
   const XrayPictures* xrays() const { return xrays_.get(); }  ///< of a lesson with a C-arm; else null
-  const ShotReview* shots() const { return shots_.get(); }    ///< of the review of such a lesson; or null
+  XrayPictures* xrays() { return xrays_.get(); }
+  const ShotReview* shots() const { return shots_.get(); }  ///< of the review of such a lesson; or null
   std::vector<std::string> tools() const;
   const std::string& tool() const { return live_ ? live_->tool() : shown_->tool(); }
   std::uint32_t faults() const { return live_ ? live_->faults() : faults_; }

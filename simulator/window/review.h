@@ -46,6 +46,8 @@ class XrayPictures {
   void take(const lessons::LessonShot& shot);
   const fluoro::MadeFluoro* last() const { return last_ ? &*last_ : nullptr; }  ///< null before the first
   std::uint64_t made() const { return made_; }
+  /// Whether the monitor exchanges left and right. An arm sees a patient from the front (fluoro::CArmParams).
+  bool flipped = false;
 
  private:
   void take(std::optional<fluoro::MadeFluoro> made);

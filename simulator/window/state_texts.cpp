@@ -9,10 +9,11 @@
 namespace trephine::window {
 namespace {
 
-std::string of_picture(const fluoro::MadeFluoro& made) {
-  if (made.metal.empty()) return "";
+std::string of_picture(const fluoro::MadeFluoro& made, bool flipped) {
+  const std::string text = flipped ? " flipped" : "";
+  if (made.metal.empty()) return text;
   const auto tip = fluoro::CArm(made.arm, made.picture.size).project(made.metal[0].tip_mm);
-  return fmt::format(" tip_px {:.2f} {:.2f}", tip[0], tip[1]);
+  return fmt::format(" tip_px {:.2f} {:.2f}", flipped ? made.picture.size - tip[0] : tip[0], tip[1]) + text;
 }
 
 }  // namespace
@@ -70,14 +71,15 @@ std::string xray_text(const Player& player) {
     const lessons::LessonShot& s = review->shots()[std::size_t(n)];
     text += fmt::format(" begin_s {:.3f} end_s {:.3f} view {} orbit_deg {:g} tilt_deg {:g} pictures {}", s.begin_s,
                         s.end_s, s.seen.view, s.seen.orbit_deg, s.seen.tilt_deg, pictures->made());
-    return last ? text + fmt::format(" size_px {}", last->picture.size) + of_picture(*last) : text;
+    return last ? text + fmt::format(" size_px {}", last->picture.size) + of_picture(*last, pictures->flipped) : text;
   }
   const lessons::LessonXray x = player.lesson()->xray();
   const std::string text = fmt::format(
       "{} view {} orbit_deg {:g} tilt_deg {:g} exposure_s {:.3f} shots_count {} pictures {}", x.on ? "on" : "off",
       x.now.view, x.now.orbit_deg, x.now.tilt_deg, x.exposure_s, x.shots_count, pictures->made());
   if (!last) return text;
-  return text + fmt::format(" size_px {} waited_s {:.3f}", last->picture.size, last->waited_s) + of_picture(*last);
+  return text + fmt::format(" size_px {} waited_s {:.3f}", last->picture.size, last->waited_s) +
+         of_picture(*last, pictures->flipped);
 }
 
 }  // namespace trephine::window

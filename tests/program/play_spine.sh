@@ -88,6 +88,18 @@ ask xray
 ok shot
 until_file "$work/shots/picture-001-xray.png"
 in_picture "$work/shots/picture-001-xray.png"
+# The surgeon stands behind the patient: the picture is flipped, and as the detector has it by a key.
+until_is xray 'tip_px .* flipped$'
+ask xray
+shown=$(sed -E 's/.* tip_px ([0-9.]+) .*/\1/' <<<"$answer")
+xdotool key q
+until_is xray 'tip_px [0-9.]+ [0-9.]+$'
+awk -v a="$shown" -v b="$(sed -E 's/.* tip_px ([0-9.]+) .*/\1/' <<<"$answer")" 'BEGIN { d = a + b - 512; exit d * d > 0.01 }' ||
+  fail "it is not the mirror image: $shown, $answer"
+ok shot
+until_file "$work/shots/picture-002-xray.png"
+in_picture "$work/shots/picture-002-xray.png"
+ok 'flip on'
 # The needle is pushed under lateral X-rays, and seen to move while they are on.
 xdotool key l
 until_is xray 'view lateral'
@@ -108,8 +120,8 @@ until_is xray '^on .* size_px 512 '
 xdotool keyup space
 until_is xray '^off '
 xdotool key F12
-until_file "$work/shots/picture-002-xray.png"
-in_picture "$work/shots/picture-002-xray.png"
+until_file "$work/shots/picture-003-xray.png"
+in_picture "$work/shots/picture-003-xray.png"
 until_is lesson 'passes_count 1 shots_count 2 exposure_s '
 ok finish
 until_is lesson 'end finished points [0-9]+ of 35'
@@ -119,14 +131,14 @@ ask 'arm lateral'
 until_is xray '^review shot 2 of 2 .* view lateral .* size_px 512 tip_px '
 second_s=$(sed -E 's/.* begin_s ([^ ]+) .*/\1/' <<<"$answer")
 ok shot
-until_file "$work/shots/picture-003-xray.png"
-in_picture "$work/shots/picture-003-xray.png"
+until_file "$work/shots/picture-004-xray.png"
+in_picture "$work/shots/picture-004-xray.png"
 ok "go_to $(awk -v s="$second_s" 'BEGIN { print s - 0.05 }')"
 until_is xray '^review shot 1 of 2 .* view ap .* size_px 512 tip_px '
 ok shot
-until_file "$work/shots/picture-004-xray.png"
-in_picture "$work/shots/picture-004-xray.png"
-cmp -s "$work/shots/picture-003-xray.png" "$work/shots/picture-004-xray.png" && fail "both moments show one picture"
+until_file "$work/shots/picture-005-xray.png"
+in_picture "$work/shots/picture-005-xray.png"
+cmp -s "$work/shots/picture-004-xray.png" "$work/shots/picture-005-xray.png" && fail "both moments show one picture"
 ok 'go_to 0'
 until_is xray '^review shot 0 of 2$'
 ok quit
