@@ -116,6 +116,7 @@ void Hud::xray_panel(Player& player, Screen& screen) {
   const ImVec2 room = ImGui::GetContentRegionAvail();
   xray_picture(*player.xrays(), std::max(32.f, std::min(room.x, room.y - 2.2f * letter)));
   choice_buttons("arm", player, screen, x.now.view);
+  ImGui::SameLine();
   action_box("flip", player.xrays()->flipped, player, screen);
   ImGui::End();
 }
