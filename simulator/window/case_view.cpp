@@ -88,6 +88,19 @@ texts::Answer CaseView::cut(const std::string& how) {
   return {};
 }
 
+void CaseView::cut_along(Vec3 tip, Vec3 axis) {
+  int across = 0;  // the patient's axis that is farthest from the tool's
+  for (int a = 1; a < 3; ++a)
+    if (std::abs(axis[a]) < std::abs(axis[across])) across = a;
+  Vec3 out;
+  out[across] = camera.toward[across] < 0 ? -1 : 1;
+  out = normalized(out - axis * dot(out, axis));
+  stage_.state.cut = scene::CutPlane{tip, out};
+  camera.target_mm = tip;
+  camera.toward = out;
+  camera.up = axis;
+}
+
 void CaseView::move_cut(double mm) {
   if (stage_.state.cut) stage_.state.cut->point_mm += normalized(stage_.state.cut->normal) * mm;
 }

@@ -35,6 +35,9 @@ class CaseView {
   texts::Answer set_opacity(const std::string& anatomy, double opacity);
   texts::Answer cut(const std::string& how);  ///< none, tool, axial, coronal, sagittal: at the tip
   void move_cut(double mm);
+  /// Cuts along a tool at that place, and looks at the cut from where the camera stood, or from beside it: the tool is
+  /// seen in its whole length, its tail above.
+  void cut_along(Vec3 tip_mm, Vec3 axis);
   void show_places(bool shown);
   void show_slices(bool shown);
   void trace(bool on);

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "window/ways.h"
 
 namespace trephine::window {
@@ -117,6 +119,13 @@ void Player::begin_review() {
   view_->stage().state.trace_mm = way_of(own);
   shown_->go_to(shown_->playback().end_s());
   shown_->paused = true;
+  // Where a tool was last in the patient, or on it.
+  const auto last = [&](const auto& was) { return std::find_if(own.frames.rbegin(), own.frames.rend(), was); };
+  auto in = last([](const haptics::ServoFrame& f) { return f.inside != 0; });
+  if (in == own.frames.rend()) in = last([](const haptics::ServoFrame& f) { return f.touched != 0; });
+  if (in != own.frames.rend())
+    view_->cut_along({in->proxy_mm[0], in->proxy_mm[1], in->proxy_mm[2]},
+                     normalized({in->axis[0], in->axis[1], in->axis[2]}));
   if (xrays_) shots_ = std::make_unique<ShotReview>(lesson_->shots());
   shown_->show_tool(*view_);
   Theatre theatre(*lesson_);
