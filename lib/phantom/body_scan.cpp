@@ -20,6 +20,8 @@ Vec3 default_centre_mm() {
   return {fresh.centre_mm[0], fresh.centre_mm[1], fresh.centre_mm[2]};
 }
 
+itk::LinearMap lies_at(Vec3 origin_mm, const ScanParams& p) { return itk::then({Mat3(), origin_mm}, head_pose(p)); }
+
 Scan scan_body(const HuAt& hu, const ScanParams& params, std::uint64_t seed, const Progress& progress,
                const Artefacts& artefacts) {
   Scan out;

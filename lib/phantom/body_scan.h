@@ -21,4 +21,7 @@ Scan scan_body(const HuAt& hu, const ScanParams& params, std::uint64_t seed, con
 /// The middle of the scanner's default block: where bodies that have a frame of their own are laid.
 Vec3 default_centre_mm();
 
+/// From a body's frame, whose origin is laid there, to the scanner's, as the body lies.
+itk::LinearMap lies_at(Vec3 origin_mm, const ScanParams& params);
+
 }  // namespace trephine::phantom

@@ -73,10 +73,13 @@ void check_body(const PhantomParams& params) {
     for (const Parameter& p : parameters_of<SpineScrews>().parameters)
       if (p.get(&params.body.spine.screws) != p.get(&none))
         throw Error(ExitCode::usage, "", p.name, "has no effect without screws: " + Setting{"screws", "both"});
+  const ChestLine no_line;
+  if (params.body.chest.line.sides == ChestLine::Sides::none)
+    for (const Parameter& p : parameters_of<ChestLine>().parameters)
+      if (p.name != "electrodes_count" && p.get(&params.body.chest.line) != p.get(&no_line))
+        throw Error(ExitCode::usage, "", p.name, "has no effect without a line: " + Setting{"line", "right"});
   if (params.scan.contents != Contents::head)
     throw Error(ExitCode::usage, "", "contents", "only a head is scanned with marks");
-  if (body == Body::chest && has_pose(params.scan))
-    throw Error(ExitCode::usage, "", "head_turn_deg", "has no effect on a chest, which lies as it is");
 }
 
 // Of a print everything that is a body's would be ignored.

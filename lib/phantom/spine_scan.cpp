@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The spine on the scanner of the head, and its truth.
-#include <nlohmann/json.hpp>
-
 #include "base/parallel.h"
 #include "base/write_file.h"
 #include "grid/nrrd.h"
 #include "phantom/body_scan.h"
 #include "phantom/spine_parts.h"
+#include "phantom/truth_json.h"
 
 namespace trephine::phantom {
 namespace {
@@ -15,13 +14,11 @@ using Json = nlohmann::ordered_json;
 
 constexpr double vertebra_reach_mm = 30;  // before and behind the middle
 
-Json to_json(Vec3 v) { return {v.x, v.y, v.z}; }
-
 // From the scanner's frame to the spine's: the middle of the default block is the spine's middle.
 Vec3 offset_mm() { return default_centre_mm() - Vec3{0, 10, 0}; }
 
 // From the spine's frame to the scanner's, as it lies there.
-itk::LinearMap lies(const ScanParams& p) { return itk::then({Mat3(), offset_mm()}, head_pose(p)); }
+itk::LinearMap lies(const ScanParams& p) { return lies_at(offset_mm(), p); }
 
 // Streaks from places along each screw, and a dark band along it.
 void draw_metal(const Spine& spine, const itk::LinearMap& map, double height_hu, SliceImage& image,
@@ -50,13 +47,6 @@ double breach_mm(const Spine& spine, const Spine::Screw& screw, const Spine::Ped
     }
   }
   return most;
-}
-
-Json rows_of(const itk::LinearMap& m) {
-  Json rows = Json::array();
-  for (int a = 0; a < 3; ++a)
-    rows.push_back({m.matrix.column[0][a], m.matrix.column[1][a], m.matrix.column[2][a], m.offset_mm[a]});
-  return rows;
 }
 
 // From a place of the spine without bend and pose to the same place of a vertebra in the scanner.
@@ -89,14 +79,14 @@ Json put_in(const Spine& bent, const ScanParams& params) {
     all.push_back({{"kind", straight.screws.needle ? "needle" : "screw"},
                    {"screw", s.left ? "left" : "right"},
                    {"from_middle", s.vertebra - straight.vertebrae_count / 2},
-                   {"tip_mm", to_json(s.tip_mm + offset_mm())},
-                   {"head_mm", to_json(s.seat_mm + offset_mm())},
-                   {"entry_mm", to_json(entry + offset_mm())},
-                   {"axis", to_json(s.axis())},
+                   {"tip_mm", json_of(s.tip_mm + offset_mm())},
+                   {"head_mm", json_of(s.seat_mm + offset_mm())},
+                   {"entry_mm", json_of(entry + offset_mm())},
+                   {"axis", json_of(s.axis())},
                    {"diameter_mm", straight.screws.diameter_mm},
                    {"length_mm", straight.screws.length_mm},
                    {"breach_mm", breach},
-                   {"to_scan", rows_of(to_scan(bent, s.vertebra, params))}});
+                   {"to_scan", json_of(to_scan(bent, s.vertebra, params))}});
   }
   return all;
 }
@@ -162,16 +152,7 @@ std::int64_t write_truth(const std::filesystem::path& folder, const SpineParams&
   Json json;
   json["trephine_spine_truth"] = 1;
   json["frame"] = "DICOM patient LPS, mm";
-  const ParameterSet& declared = parameters_of<SpineParams>();
-  const SpineParams fresh;
-  for (const Parameter& p : declared.parameters) {
-    const auto value = p.get(&of);
-    if (p.came_later && value == p.get(&fresh)) continue;
-    if (const double* number = std::get_if<double>(&value))
-      json["spine"][p.name] = *number;
-    else
-      json["spine"][p.name] = to_text(value);
-  }
+  json["spine"] = json_of_params(of);
   json["pedicles"] = Json::array();
   int first = -1;
   for (const Spine::Pedicle& p : spine.pedicles()) {
@@ -183,13 +164,13 @@ std::int64_t write_truth(const std::filesystem::path& folder, const SpineParams&
     const Vec3 entry = p.middle_mm - p.forwards * behind, target = entry + p.forwards * (0.75 * (behind + before));
     json["pedicles"].push_back(
         {{"name", "pedicle_" + std::to_string(p.vertebra - first + 1) + (p.left ? "_left" : "_right")},
-         {"entry_mm", to_json(entry + offset_mm())},
-         {"target_mm", to_json(target + offset_mm())},
-         {"middle_mm", to_json(p.middle_mm + offset_mm())},
+         {"entry_mm", json_of(entry + offset_mm())},
+         {"target_mm", json_of(target + offset_mm())},
+         {"middle_mm", json_of(p.middle_mm + offset_mm())},
          {"half_width_mm", p.half_width_mm}});
   }
   if (of.screws.sides != SpineScrews::Sides::none) json["put_in"] = put_in(spine, params);
-  if (has_pose(params)) json["spine_to_scan"] = rows_of(head_pose(params));
+  if (has_pose(params)) json["spine_to_scan"] = json_of(head_pose(params));
   if (labels && has_lattice(params)) {
     grid::Mask mask(lattice_of(scan));
     parallel_for(0, mask.size[2], 1, [&](std::int64_t from, std::int64_t to) {

@@ -9,6 +9,7 @@
 #include "base/write_file.h"
 #include "grid/nrrd.h"
 #include "meshio/vtp.h"
+#include "phantom/truth_json.h"
 
 namespace trephine::phantom {
 namespace {
@@ -151,14 +152,7 @@ Named<double> write_truth(const std::filesystem::path& folder, const Head& head,
     json["put_in"] = Json::array();
     for (const ImplantTruth& t : head.implants()) json["put_in"].push_back(to_json(t));
   }
-  if (has_pose(scan_params)) {
-    const itk::LinearMap pose = head_pose(scan_params);
-    const Mat3& m = pose.matrix;
-    Json rows = Json::array();
-    for (int a = 0; a < 3; ++a)
-      rows.push_back(Json::array({m.column[0][a], m.column[1][a], m.column[2][a], pose.offset_mm[a]}));
-    json["head_to_scan"] = rows;
-  }
+  if (has_pose(scan_params)) json["head_to_scan"] = json_of(head_pose(scan_params));
   json["scan"] = params_to_json(scan_params);
   json["box_mm"] = Json::array({to_json(box.min_mm), to_json(box.max_mm)});
   if (has_lattice(scan_params)) {
