@@ -12,6 +12,7 @@
 #include "cli/command.h"
 #include "cli/progress_display.h"
 #include "dicom/import.h"
+#include "outcome/case_chest.h"
 #include "outcome/measure_outcome.h"
 #include "outcome/outcome_picture.h"
 #include "print/print_record.h"
@@ -53,7 +54,7 @@ std::string sighting_text(lesson::Sighting s, const std::vector<std::string>& do
   return lesson::to_text(s) + (doubts.empty() ? std::string() : " (" + joined(doubts) + ")");
 }
 
-std::string table_of(const lesson::OutcomeRecord& r) {
+std::string table_of(const lesson::OutcomeRecord& r, bool chest) {
   const lesson::OutcomeRegistration& g = r.registration;
   std::string out =
       fmt::format("registration    {}: bone {:.2f} mm off, mirrored {:.2f} mm; {:.0f} % of the case's bone\n",
@@ -69,6 +70,16 @@ std::string table_of(const lesson::OutcomeRecord& r) {
       out +=
           fmt::format("  {:<16} {}: tip {} mm (+- {:.2f}), {:.1f} mm long, {:.1f} mm wide\n", s.pedicle,
                       sighting_text(s.sighting, s.doubts), at_text(s.tip_mm), s.error_mm, s.length_mm, s.diameter_mm);
+    return out;
+  }
+  if (chest) {
+    out += fmt::format("lines           {}\n", r.lines.empty() ? "none was found" : std::to_string(r.lines.size()));
+    for (const lesson::OutcomeLine& l : r.lines)
+      out += fmt::format(
+          "  {:<6} {}: tip {} mm (+- {:.2f}), {:.0f} mm from the skin, {:.0f} mm in the vein, {:.0f} mm in lung or "
+          "pleura\n",
+          l.side, sighting_text(l.sighting, l.doubts), at_text(l.tip_mm), l.error_mm, l.length_mm, l.in_vein_mm,
+          l.in_lung_mm);
     return out;
   }
   out += fmt::format("catheter        {}\n",
@@ -88,7 +99,7 @@ std::string table_of(const lesson::OutcomeRecord& r) {
 ExitCode run_outcome(const cli::ParsedCommand& parsed) {
   lesson::OutcomeRecord record;
   picture::Image picture;
-  bool has_ct = false;
+  bool has_ct = false, chest = false;
   {
     cli::ProgressDisplay display(parsed.quiet);
     const Progress progress = display.start(parsed.command->name);
@@ -110,6 +121,7 @@ ExitCode run_outcome(const cli::ParsedCommand& parsed) {
     record.series_sha256 = scan.input_sha256;
     record.program = "trephine " TREPHINE_VERSION;
     has_ct = read.loaded.has_ct();
+    chest = outcome::is_chest(read.loaded);
     picture = outcome::outcome_picture(read.loaded, record);
     display.finish(parsed.command->name, "");
   }
@@ -125,7 +137,7 @@ ExitCode run_outcome(const cli::ParsedCommand& parsed) {
     std::filesystem::remove(shown, ignored);
   write_file(out / "outcome.json", json);
   if (!has_ct) log_warning("the case holds no CT to show what was found on, so that there is no picture");
-  if (!parsed.quiet) std::cout << table_of(record);
+  if (!parsed.quiet) std::cout << table_of(record, chest);
   return ExitCode::ok;
 }
 
@@ -136,12 +148,15 @@ const cli::OwnCommand outcome_command([] {
   cli::Command c;
   c.name = "outcome";
   c.summary =
-      "measures what a CT after a procedure shows: catheter, burr hole, pedicle screws, in the frame of the case";
+      "measures what a CT after a procedure shows: catheter, burr hole, pedicle screws, central line, in the frame of "
+      "the "
+      "case";
   c.description =
       "Lays a CT that was made after the procedure on the case by its bone, whatever else is new in it, and finds the "
       "catheter (course, tip) and the burr holes (place, width), or in a spine pedicle screws (axis, tip, head, "
       "diameter), "
-      "each laid by its own vertebra. --out gets outcome.json, which `trephine-sim "
+      "each laid by its own vertebra, or in a chest central lines (course, tip, where it meets the vein). --out gets "
+      "outcome.json, which `trephine-sim "
       "score-outcome` judges by the rubric of the lesson, and outcome.png, slices of the case's own CT with what was "
       "found. Nothing else of the second scan is written. Another patient's scan and a mirrored one are refused (80); "
       "what may be one of several courses, or is not sure, is called doubtful and is not judged. For training and "

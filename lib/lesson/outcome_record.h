@@ -159,6 +159,45 @@ struct OutcomeScrew {
   }
 };
 
+/// A central line, from the skin to its tip.
+struct OutcomeLine {
+  std::string side;
+  Sighting sighting = Sighting::doubtful;
+  std::vector<std::string> doubts;
+  Vec3 tip_mm, skin_mm, vein_mm, axis;
+  std::vector<OutcomePlace> course;
+  double length_mm = 0, width_mm = 0, mean_hu = 0, in_vein_mm = 0, in_lung_mm = 0, clavicle_moved_mm = 0,
+         confidence = 0, error_mm = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = OutcomeLine;
+    v.word(&P::side, "side", {"left", "right"}, "The patient's side where it passes the skin.");
+    v.choice(&P::sighting, "sighting", {{"found", Sighting::found}, {"doubtful", Sighting::doubtful}},
+             "Whether it is surely a line, and surely there.");
+    v.words(
+        &P::doubts, "doubts",
+        "Why it is doubtful: registration, clavicle, two_lines, not_to_the_skin, metal, scan_ends, before_air, short, "
+        "faint.");
+    v.numbers(&P::tip_mm, "tip_mm", Range{-1e5, 1e5}, "Its end in the patient.");
+    v.numbers(&P::skin_mm, "skin_mm", Range{-1e5, 1e5},
+              "Where it passes the case's skin; where it does not, the end of what was seen.");
+    v.numbers(&P::vein_mm, "vein_mm", Range{-1e5, 1e5},
+              "Where it first meets the case's vein; where it does not, its tip.");
+    v.numbers(&P::axis, "axis", Range{-1.000001, 1.000001}, "Unit direction from skin_mm to vein_mm.");
+    v.list(&P::course, "course", "Its middle line, from the tip to skin_mm, about every millimetre.");
+    v.number(&P::length_mm, "length_mm", Range{0, 1e4}, "Along it, from there to there.");
+    v.number(&P::width_mm, "width_mm", Range{0, 100}, "Full width at half height, which the scan's blur widens.");
+    v.number(&P::mean_hu, "mean_hu", Range{-1e5, 1e5}, "Of its middle line.");
+    v.number(&P::in_vein_mm, "in_vein_mm", Range{0, 1e4}, "Of its length, within the case's vein.");
+    v.number(&P::in_lung_mm, "in_lung_mm", Range{0, 1e4}, "And within the case's lung or pleura.");
+    v.number(&P::clavicle_moved_mm, "clavicle_moved_mm", Range{0, 1e3},
+             "How far the clavicle of that side lies off where the rest of the bone lays it.");
+    v.number(&P::confidence, "confidence", Range{0, 1}, "From 0.5 on it counts as found.");
+    v.number(&P::error_mm, "error_mm", Range{0, 1e3},
+             "Standard error of the registration at the tip, by leaving parts of the chest out.");
+  }
+};
+
 struct OutcomeRecord {
   int trephine_outcome = 1;
   std::string case_token, case_sha256, series_sha256, program;
@@ -170,6 +209,7 @@ struct OutcomeRecord {
   bool holes_beforehand = false;
   std::vector<OutcomeVertebra> vertebrae;
   std::vector<OutcomeScrew> screws;
+  std::vector<OutcomeLine> lines;
   template <class V>
   static void describe(V& v) {
     using P = OutcomeRecord;
@@ -193,6 +233,7 @@ struct OutcomeRecord {
            "The case was drilled before: holes there cannot be known from those of the procedure.");
     v.list(&P::vertebrae, "vertebrae", "Of a spine: the vertebrae that lie in the scan, from the lowest.").not_always();
     v.list(&P::screws, "screws", "Of a spine: screws and needles, by pedicle.").not_always();
+    v.list(&P::lines, "lines", "Of a chest: central lines, the surest first.").not_always();
   }
 };
 

@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/pi.h"
 #include "mask/filters.h"
-#include "outcome/line.h"
+#include "outcome/trace.h"
 
 namespace trephine::outcome {
 namespace {
@@ -14,124 +13,24 @@ namespace {
 constexpr float dense_hu = 160;    ///< a catheter inside the brain is denser, in thick slices too
 constexpr double least_mm = 12;    ///< length of what is followed, of the dense voxels alone
 constexpr double straight_mm = 4;  ///< standard deviation across it at most
-constexpr double step_mm = 0.5;    ///< along it
-constexpr double disc_mm = 3.6, ring_from_mm = 4.4, ring_to_mm = 6, grid_mm = 0.4;
-constexpr double gone_ratio = 0.3;  ///< of what is dense across it: less is its end
-constexpr double thick_ratio = 2;   ///< more is bone, or something else
 constexpr double most_width_mm = 6.5;
-constexpr double cap_mm = 0.3;     ///< by which a rounded end of 2.5 mm is farther out than a flat one of its volume
 constexpr double to_bone_mm = 30;  ///< from the end that was seen to the bone at most
-
-/// What is denser than tissue across a line.
-struct Section {
-  bool beyond = false;
-  double sum = 0;   ///< HU mm^2
-  double peak = 0;  ///< HU above what is around
-  Vec3 middle_mm;
-};
-Section section_of(const ScanView& scan, Vec3 at, const Frame& f) {
-  Section s;
-  std::vector<float> ring;
-  for (int n = 0; n < 24; ++n) {
-    const double turn = 2 * pi * n / 24, r = n % 2 ? ring_from_mm : ring_to_mm;
-    const double v = scan(at + f.a * (r * std::cos(turn)) + f.b * (r * std::sin(turn)));
-    if (v <= ScanView::beyond_hu / 2) return s.beyond = true, s;
-    ring.push_back(float(v));
-  }
-  const double around = std::clamp(double(mask::median(ring, 0)), -20.0, 80.0);  // not of air or bone beside it
-  const int n = int(disc_mm / grid_mm);
-  double weight = 0;
-  Vec3 sum;
-  std::vector<std::pair<Vec3, double>> all;
-  for (int i = -n; i <= n; ++i)
-    for (int j = -n; j <= n; ++j) {
-      const Vec3 off = f.a * (i * grid_mm) + f.b * (j * grid_mm);
-      if (norm(off) > disc_mm) continue;
-      const double v = scan(at + off);
-      if (v <= ScanView::beyond_hu / 2) return s.beyond = true, s;
-      const double above = std::max(0.0, v - around);
-      s.peak = std::max(s.peak, above);
-      s.sum += (v > around - 60 ? v - around : 0) * grid_mm * grid_mm;
-      all.emplace_back(off, above);
-    }
-  for (const auto& [off, above] : all) {
-    const double w = above > 0.2 * s.peak ? above : 0;
-    weight += w;
-    sum += off * w;
-  }
-  s.middle_mm = weight > 0 ? at + sum * (1 / weight) : at;
-  return s;
-}
-
-struct Step {
-  Vec3 at_mm;
-  Section section;
-};
-
-double median_sum(const std::vector<Step>& steps, std::size_t most) {
-  std::vector<float> sums;
-  for (std::size_t n = steps.size() - std::min(most, steps.size()); n < steps.size(); ++n)
-    sums.push_back(float(steps[n].section.sum));
-  return double(mask::median(sums, 0));
-}
-
-// From a place on it to its end, in scan coordinates.
-std::vector<Step> followed(const ScanView& scan, Vec3 from, Vec3 way, double reference) {
-  std::vector<Step> steps;
-  Vec3 at = from, u = normalized(way);
-  for (int n = 0; n < 400; ++n) {
-    const Section s = section_of(scan, at, Frame(u));
-    if (s.beyond || s.sum < gone_ratio * reference || s.sum > thick_ratio * reference) break;
-    const Vec3 moved = s.middle_mm - at;
-    const Vec3 off = moved - u * dot(moved, u);
-    if (norm(off) > 1.6) break;
-    at += off * 0.7;
-    steps.push_back({at, s});
-    if (steps.size() > 8) u = normalized(u * 0.6 + normalized(at - steps[steps.size() - 9].at_mm) * 0.4);
-    at += u * step_mm;
-  }
-  return steps;
-}
-
-// Where what is dense across the course drops to half beyond its last steps, from the last but some on.
-Vec3 tip_of(const ScanView& scan, const std::vector<Step>& towards_tip) {
-  std::vector<Vec3> last;
-  const std::size_t n = towards_tip.size(), skip = std::min<std::size_t>(4, n / 4),
-                    take = std::min<std::size_t>(24, n - skip);
-  for (std::size_t k = n - skip - take; k < n - skip; ++k) last.push_back(towards_tip[k].at_mm);
-  const Line line = line_through(last);
-  const Frame frame(line.way);
-  const Vec3 begin = line.at_mm + line.way * dot(last.back() - line.at_mm, line.way);
-  std::vector<float> sums;
-  for (double s = -8; s <= -2; s += 0.5) sums.push_back(float(section_of(scan, begin + line.way * s, frame).sum));
-  const double half = 0.5 * double(mask::median(sums, 0));
-  double before = section_of(scan, begin - line.way * 2, frame).sum;
-  for (double s = -1.8; s < 8; s += 0.2) {
-    const double now = section_of(scan, begin + line.way * s, frame).sum;
-    if (now < half) {
-      const double at = s - 0.2 * (now == before ? 0 : (half - now) / (before - now));
-      return begin + line.way * (at + cap_mm);
-    }
-    before = now;
-  }
-  return towards_tip.back().at_mm;
-}
 
 std::optional<lesson::OutcomeCourse> course_of(const CaseHead& head, const ScanView& scan, const itk::LinearMap& back,
                                                const Rod& rod) {
   Vec3 from = rod.line.at_mm;
   for (int round = 0; round < 3; ++round) {
-    const Section s = section_of(scan, from, Frame(rod.line.way));
+    const Section s = section_of(scan, from, Frame(rod.line.way), {});
     if (s.beyond) return {};
     from = s.middle_mm;
   }
   std::vector<Step> middle;
   for (double d = -4; d <= 4; d += 1)
-    middle.push_back({{}, section_of(scan, from + rod.line.way * d, Frame(rod.line.way))});
+    middle.push_back({{}, section_of(scan, from + rod.line.way * d, Frame(rod.line.way), {})});
   const double reference = median_sum(middle, middle.size());
   if (reference <= 0) return {};
-  std::vector<Step> one = followed(scan, from, rod.line.way, reference),
-                    other = followed(scan, from, -rod.line.way, reference);
+  std::vector<Step> one = followed(scan, from, rod.line.way, reference, {}),
+                    other = followed(scan, from, -rod.line.way, reference, {});
   if (one.size() + other.size() < 20) return {};
   // Outwards leads what passes the case's bone, or ends before it; what passes it at both ends is no catheter.
   const auto passes_bone = [&](const std::vector<Step>& steps) {
@@ -156,11 +55,11 @@ std::optional<lesson::OutcomeCourse> course_of(const CaseHead& head, const ScanV
   std::vector<Vec3> in_head;
   for (const Step& s : all) {
     hu.push_back(float(scan(s.at_mm)));
-    width.push_back(float(std::sqrt(std::max(0.0, s.section.sum / s.section.peak / 1.133))));
+    width.push_back(float(width_mm(s.section)));
   }
   c.mean_hu = double(mask::median(hu, 0));
   c.width_mm = double(mask::median(width, 0));
-  c.tip_mm = back(tip_of(scan, all));
+  c.tip_mm = back(tip_of(scan, all, {}));
   // In the head: what lies on the inner side of the bone, from the tip outwards.
   std::vector<Vec3> points;
   for (const Step& s : all) points.push_back(back(s.at_mm));

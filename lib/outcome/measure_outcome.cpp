@@ -4,18 +4,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
 #include <memory>
 
 #include "base/refusal.h"
 #include "mask/filters.h"
-#include "outcome/bone_fit.h"
+#include "outcome/case_chest.h"
 #include "outcome/case_spine.h"
 #include "outcome/find_courses.h"
 #include "outcome/find_made_holes.h"
+#include "outcome/laid.h"
 #include "outcome/marks.h"
+#include "outcome/measure_chest.h"
 #include "outcome/measure_spine.h"
-#include "outcome/misfit.h"
 
 namespace trephine::outcome {
 namespace {
@@ -27,32 +27,6 @@ constexpr double above_cut_mm = 10;    ///< of a print: nearer to its cut are ri
 constexpr double through_mm = 4;       ///< beyond the hole's wall
 const char* const remedy =
     "take the scan of this patient after the procedure, as it was made; docs/how-to/outcome.md says what it must show";
-
-lesson::OutcomeRegistration registered(const BoneFit& fit, const BoneFit& mirror, const OutcomeParams& p) {
-  refuse_misfit({fit.overlap_ratio, fit.residual_mm, mirror.residual_mm, fit.matched_ratio}, "bone lies", "head", p,
-                remedy);
-  if (fit.scale_ratio > p.largest_scale_ratio)
-    throw refusal(
-        "registration",
-        fmt::format("the scan would have to be stretched by {:.1f} % (at most {:.1f}): it shows another head, "
-                    "or its voxels have another size than it says",
-                    100 * fit.scale_ratio, 100 * p.largest_scale_ratio),
-        {remedy});
-  lesson::OutcomeRegistration r;
-  r.residual_mm = fit.residual_mm;
-  r.mirrored_residual_mm = std::min(1e3, mirror.residual_mm);
-  r.widening_mm = fit.widening_mm;
-  r.overlap_ratio = fit.overlap_ratio;
-  r.matched_ratio = fit.matched_ratio;
-  r.scale_ratio = fit.scale_ratio;
-  r.points_count = std::int64_t(fit.points);
-  r.transform = print::rows_of(fit.map);
-  if (fit.residual_mm > p.doubtful_residual_mm) r.doubts.push_back("shape");
-  if (fit.scale_ratio > p.doubtful_scale_ratio) r.doubts.push_back("scale");
-  if (mirror.residual_mm < p.mirrored_ratio * fit.residual_mm) r.doubts.push_back("mirrored");
-  r.sighting = r.doubts.empty() ? lesson::Sighting::found : lesson::Sighting::doubtful;
-  return r;
-}
 
 const char* const marks_remedy =
     "take a CT that shows the whole print with all its marks, as it was made; docs/how-to/print.md says how";
@@ -88,12 +62,6 @@ lesson::OutcomeRegistration registered(const MarkFit& fit, const print::PrintRec
   return r;
 }
 
-/// How the case lies in the scan, and how well that is known at a place of the case.
-struct Laid {
-  itk::LinearMap map;
-  lesson::OutcomeRegistration registration;
-  std::function<double(Vec3)> error_mm;
-};
 Laid laid_by_marks(const cases::LoadedCase& loaded, const ScanView& view, const print::PrintRecord& print,
                    const OutcomeParams& params, const Progress& progress) {
   if (print.case_token != loaded.manifest.case_token)
@@ -104,19 +72,6 @@ Laid laid_by_marks(const cases::LoadedCase& loaded, const ScanView& view, const 
   return {
       {fit->map.turn, fit->map.offset_mm}, registered(*fit, print, params), [fit](Vec3 p) { return fit->error_mm(p); }};
 }
-Laid laid_by_bone(const cases::LoadedCase& loaded, const CaseHead& head, const ScanView& view,
-                  const OutcomeParams& params, const Progress& progress) {
-  const std::vector<BonePoint> points = bone_points(loaded.haptic, head.bone, points_mm);
-  const std::optional<BoneFit> fit = fit_bone(points, view, progress.part(0, 0.5));
-  if (!fit)
-    throw refusal("registration", "the scan shows no bone that could be the case's, or too little of it", {remedy});
-  const std::optional<BoneFit> mirror = fit_bone(mirrored(points), view, progress.part(0.5, 0.75));
-  Laid laid{fit->map, registered(*fit, mirror ? *mirror : BoneFit(), params), {}};
-  const auto left_out = std::make_shared<LeftOutFits>(points, view, *fit, progress.part(0.75, 1));
-  laid.error_mm = [left_out](Vec3 p) { return left_out->standard_error_mm(p); };
-  return laid;
-}
-
 bool passes_a_hole(const lesson::OutcomeCourse& c, const std::vector<lesson::OutcomeHole>& holes) {
   return std::any_of(holes.begin(), holes.end(), [&](const lesson::OutcomeHole& h) {
     const Vec3 d = c.outer_mm - h.outer_mm;
@@ -147,10 +102,12 @@ lesson::OutcomeRecord measure_outcome(const cases::LoadedCase& loaded, const gri
                                       const OutcomeParams& params, const Progress& progress,
                                       const print::PrintRecord* print) {
   if (is_spine(loaded) && !print) return measure_spine(loaded, scan, params, progress);
+  if (is_chest(loaded) && !print) return measure_chest(loaded, scan, params, progress);
   const CaseHead head(loaded, progress.part(0, 0.1));
   const ScanView view(scan);
   const Laid laid = print ? laid_by_marks(loaded, view, *print, params, progress.part(0.1, 0.75))
-                          : laid_by_bone(loaded, head, view, params, progress.part(0.1, 0.75));
+                          : laid_by_bone(bone_points(loaded.haptic, head.bone, points_mm), view, "head", remedy, params,
+                                         progress.part(0.1, 0.75));
   lesson::OutcomeRecord r;
   r.case_token = loaded.manifest.case_token;
   r.registration = laid.registration;

@@ -45,10 +45,10 @@ struct OutcomeParams {
 };
 
 /// Lays a scan after a procedure on the case by its bone, or by the marks of a print of it where that is given, and
-/// measures what was put in and drilled: in a head catheters and burr holes, in a spine pedicle screws. The record
-/// lacks the hashes and the program's name. The same bytes whatever the thread count. Throws Error 65 where the case
-/// has neither skull and brain nor bone with pedicles to be felt, or the print is another case's by name; 80 where the
-/// scan shows another head, a mirrored one, or too little of it; Cancelled.
+/// measures what was put in and drilled: in a head catheters and burr holes, in a spine pedicle screws, in a chest
+/// central lines. The record lacks the hashes and the program's name. The same bytes whatever the thread count. Throws
+/// Error 65 where the case has neither skull and brain, nor bone with pedicles, nor clavicles to be felt, or the print
+/// is another case's by name; 80 where the scan shows another head, a mirrored one, or too little of it; Cancelled.
 lesson::OutcomeRecord measure_outcome(const cases::LoadedCase& loaded, const grid::HuVolume& scan,
                                       const OutcomeParams& params, const Progress& progress = {},
                                       const print::PrintRecord* print = nullptr);

@@ -84,6 +84,12 @@ class Sheet {
       line(s.head_mm, s.tip_mm, 0.8, colour);
       draw(s.tip_mm, 3, colour);
     }
+    for (const lesson::OutcomeLine& l : record_.lines) {
+      const Rgb& colour = l.sighting == lesson::Sighting::found ? course_rgb : other_rgb;
+      for (std::size_t n = 0; n + 1 < l.course.size(); ++n) line(l.course[n].at_mm, l.course[n + 1].at_mm, 0.8, colour);
+      draw(l.tip_mm, 3, colour);
+      draw(l.vein_mm, 2, hole_rgb);
+    }
     for (const Vec3& t : targets_)
       for (int n = 0; n < 60; ++n)
         draw(t + at.right * (4 * std::cos(2 * pi * n / 60)) + at.down * (4 * std::sin(2 * pi * n / 60)), 0.8,
@@ -101,7 +107,9 @@ class Sheet {
 }  // namespace
 
 picture::Image outcome_picture(const cases::LoadedCase& loaded, const lesson::OutcomeRecord& record) {
-  if (!loaded.has_ct() || (record.courses.empty() && record.holes.empty() && record.screws.empty())) return {};
+  if (!loaded.has_ct() ||
+      (record.courses.empty() && record.holes.empty() && record.screws.empty() && record.lines.empty()))
+    return {};
   const Sheet sheet(loaded, record);
   std::vector<picture::Image> cells;
   using picture::SlicePlane;
@@ -110,6 +118,10 @@ picture::Image outcome_picture(const cases::LoadedCase& loaded, const lesson::Ou
     for (const SlicePlane plane : {SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal})
       cells.push_back(sheet.through(s.head_mm * 0.5 + s.tip_mm * 0.5, plane, s.pedicle));
   }
+  for (const lesson::OutcomeLine& l : record.lines)
+    for (const Vec3& p : {l.vein_mm, l.tip_mm})
+      for (const SlicePlane plane : {SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal})
+        cells.push_back(sheet.through(p, plane, l.side));
   if (!record.courses.empty())
     for (const SlicePlane plane : {SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal})
       cells.push_back(sheet.through(record.courses.front().tip_mm, plane, "tip of the course"));
