@@ -17,8 +17,8 @@ struct ScoreOutcomeParams {
     using P = ScoreOutcomeParams;
     v.text(&P::participant, "participant", "Whose procedure it was: a token (a-z, 0-9, _ and -), never a name.");
     v.text(&P::task, "task",
-           "What was asked for, such as right or pedicle_2_left; empty: what was done. Of several screws it names "
-           "one.");
+           "What was asked for, such as right or pedicle_2_left; empty: what was done. Of several screws, or "
+           "lines on both sides, it names one.");
     v.choice(&P::language, "language", texts::languages(), "Language of the page and of the table.");
   }
 };
@@ -44,8 +44,8 @@ const cli::OwnCommand score_outcome_command([] {
   c.name = "score-outcome";
   c.summary = "judges what a CT after a procedure shows by the rubric of the lesson";
   c.description =
-      "Takes outcome.json, which `trephine outcome` measured on a CT after a ventriculostomy or with pedicle screws, "
-      "and scores it by the same "
+      "Takes outcome.json, which `trephine outcome` measured on a CT after a ventriculostomy, with pedicle screws or "
+      "with a central line, and scores it by the same "
       "functions and the same rubric as a recorded lesson, in the anatomy of the case. What a CT does not show (traces "
       "of landmarks, time, passes) is not judged, and neither is what was found doubtfully. The report is one that "
       "`study` and `group` read beside those of lessons. For training and research; not for clinical use.";

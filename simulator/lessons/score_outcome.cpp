@@ -20,7 +20,7 @@ ScoredLesson score_outcome(const std::filesystem::path& file, const std::filesys
     throw Error(ExitCode::usage, "", "--rubric",
                 "is of " + rubric.module +
                     ", of which a CT after the procedure is not judged; give that of a "
-                    "ventriculostomy, a pedicle screw or a needle in the spine");
+                    "ventriculostomy, a pedicle screw, a needle in the spine or a subclavian line");
   const cases::HashedCase read = cases::load_hashed_case(case_folder);
   if (record.case_sha256 != read.sha256)
     throw Error(ExitCode::bad_input, file.string(), "case_sha256",

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Pedicle screws from the CT before them to a score of the CT after them, and what must not be judged.
+# Pedicle screws and a needle from the CT before them to a score of the CT after them, and what must not be judged.
 . "$(dirname "$0")/common.sh"
 : "${SIM:?}"
 cd "$work"
@@ -63,6 +63,51 @@ assert f["gertzbein_grade"] >= 1 and f["medial_wall_mm"] > f["lateral_wall_mm"],
 assert abs(f["medial_wall_mm"] - true) < 1, (f["medial_wall_mm"], true)
 assert next(r for r in broken["rows"] if r["name"] == "breach")["score"] == 1
 PY
+# A needle on the axis of a pedicle, and the same in the simulator: judged alike.
+"$TREPHINE" rubric "$SOURCE/configs/rubrics/spine_needle.yaml" --output needle_rubric.json --quiet
+after needled 3 --screws left --screw-kind needle --screw-diameter-mm 3 --screw-length-mm 42
+"$TREPHINE" outcome library/spine --series needled/dicom --out needled_out >said
+"$SIM" score-outcome needled_out/outcome.json --case library/spine --rubric needle_rubric.json --participant r-01 \
+  --task "pedicle_${level}_left" --json needled_out/score.json >table
+python3 - "pedicle_${level}_left" <<'PY'
+import json, math, sys
+load = lambda f: json.load(open(f))
+pedicle = sys.argv[1]
+at = {m["name"]: m["position_mm"] for m in load("library/spine/case.json")["landmarks"]}
+entry, target = at[pedicle + "_entry"], at[pedicle + "_target"]
+truth, found = load("needled/truth/truth.json")["put_in"][0], load("needled_out/outcome.json")["screws"]
+assert len(found) == 1 and found[0]["kind"] == "needle" and found[0]["pedicle"] == pedicle, found
+assert math.dist(found[0]["tip_mm"], truth["tip_mm"]) < 1, (found, truth)
+# The same needle: how far its ends lie off the case's own axis, and how far its tip stops before the target.
+way = [(a - b) / math.dist(target, entry) for a, b in zip(target, entry)]
+along = lambda p: sum((a - b) * w for a, b, w in zip(p, entry, way))
+needle = {"pedicle": pedicle, "short_of_mm": round(along(target) - along(truth["tip_mm"]), 2)}
+for name, p in (("entry", truth["entry_mm"]), ("target", truth["tip_mm"])):
+    off = [a - b - w * along(p) for a, b, w in zip(p, entry, way)]
+    needle[name + "_aside_mm"], needle[name + "_up_mm"] = round(off[0], 2), round(off[2], 2)
+json.dump({"module": "spine_needle", "task": pedicle, "steps": [
+    {"shoot": {"seconds": 0.5}}, {"needle": needle}, {"shoot": {"seconds": 0.5}}, "finish"]}, open("script.json", "w"))
+PY
+"$SIM" lesson library/spine --script script.json --record needle.lesson --participant r-01 >/dev/null
+"$SIM" score needle.lesson --case library/spine --rubric needle_rubric.json --json simulated.json >/dev/null
+python3 - <<'PY'
+import json, math
+simulated, real = (json.load(open(f)) for f in ("simulated.json", "needled_out/score.json"))
+truth = json.load(open("needled/truth/truth.json"))["put_in"][0]
+one, other = ({r["name"]: r for r in s["rows"]} for s in (simulated, real))
+tip = simulated["facts"]["passes"][-1]["tip_mm"]
+assert math.dist(tip, truth["tip_mm"]) < 3, (tip, truth)
+for name in ("entry", "target", "breach", "depth"):
+    a, b = one[name]["score"], other[name]["score"]
+    assert isinstance(b, int) and abs(a - b) <= 1, (name, one[name], other[name])
+for name in ("exposure", "passes", "time"):
+    assert other[name]["score"] == "not judged", other[name]
+assert real["checked"] == "measured" and real["figures"]["in_bone"] is True and real["figures"]["passes_count"] is None, real["figures"]
+PY
+# A rubric of a screw finds none: it is a needle.
+score needled_out
+grep -q 'the CT shows no screw there' table || fail "a needle is a screw: $(cat table)"
+
 # Another level than the one that was asked for is the wrong one.
 score one_out --task pedicle_1_left
 [[ $level == 1 ]] || grep -q 'wrong level\|another level\|was asked for' table || fail "a wrong level is none: $(cat table)"

@@ -6,6 +6,7 @@
 #include "lessons/lesson_type.h"
 #include "lessons/report_pictures.h"
 #include "lessons/subclavian/chest_moves.h"
+#include "lessons/subclavian/line_scan.h"
 #include "lessons/subclavian/subclavian_score.h"
 
 namespace trephine::lessons {
@@ -20,21 +21,27 @@ const SubclavianFacts& own(const LessonFacts& facts) { return static_cast<const 
 
 Json json_of(const SubclavianFacts& f) {
   Json passes = Json::array(), aspirations = Json::array();
+  const auto at = [&](double time_s) { return f.from_scan ? Json(nullptr) : moment(time_s); };
   for (const VeinPass& p : f.passes)
-    passes.push_back({{"begin_s", p.begin_s},
-                      {"end_s", p.end_s},
+    passes.push_back({{"begin_s", at(p.begin_s)},
+                      {"end_s", at(p.end_s)},
                       {"entry_mm", list_of(p.entry_mm)},
                       {"tip_mm", list_of(p.tip_mm)},
                       {"in_place", p.in_place}});
   for (const Aspiration& a : f.aspirations)
     aspirations.push_back({{"time_s", a.time_s}, {"tip_mm", list_of(a.tip_mm)}, {"shape_number", a.inside}});
-  return {{"passes", passes},
-          {"aspirations", aspirations},
-          {"vein_s", moment(f.vein_s)},
-          {"artery_s", moment(f.artery_s)},
-          {"pleura_s", moment(f.pleura_s)},
-          {"lung_s", moment(f.lung_s)},
-          {"blood_s", moment(f.blood_s)}};
+  Json out = {{"passes", passes}, {"aspirations", aspirations}};
+  Json entered = Json::array();
+  for (const auto& [shape, time_s] : {std::pair<const char*, double>{"vein", f.vein_s},
+                                      {"artery", f.artery_s},
+                                      {"pleura", f.pleura_s},
+                                      {"lung", f.lung_s}}) {
+    out[std::string(shape) + "_s"] = at(time_s);
+    if (time_s >= 0) entered.push_back(shape);
+  }
+  out["blood_s"] = at(f.blood_s);
+  if (f.from_scan) out["entered"] = entered;
+  return out;
 }
 
 constexpr texts::Wording tip_words{{"The needle's tip", "Die Nadelspitze"}},
@@ -81,6 +88,11 @@ std::vector<LessonTask> tasks_of(const cases::CaseManifest&) {
                      side == std::string("left") ? "linken" : "rechten"),
          "Ein zentraler Zugang: Medikamente, die keine kleine Vene verträgt, und am Arm ist keine Vene übrig."});
   return all;
+}
+
+texts::Phrase of_scan(const SubclavianFacts& f) {
+  if (const texts::Phrase unseen = unseen_line(f); !unseen.empty()) return unseen;
+  return f.vein_s >= 0 ? "the line came into the vein" : "the line came into no vein";
 }
 
 // Drapes leave the whole clavicle of the side that was asked for open, with the notch: what everybody sees and feels.
@@ -168,13 +180,16 @@ LessonType subclavian_lesson() {
     return c == NeedleColour::none ? 0 : c == NeedleColour::green ? 1 : -1;
   };
   m.facts_json = [](const LessonFacts& facts) { return json_of(own(facts)); };
-  m.outcome = [](const LessonFacts&, const LessonScore& score) {
+  m.facts_of_outcome = line_facts_of_scan;
+  m.outcome = [](const LessonFacts& facts, const LessonScore& score) {
+    if (facts.from_scan) return of_scan(own(facts));
     return texts::Phrase("needle passes: {}, {}", {std::to_string(score.count("passes_count")),
                                                    score.flag("first_pass") ? "green: success at the first pass"
                                                    : score.flag("success")  ? "green: blood from the vein"
                                                                             : "red: failure"});
   };
-  m.headline = [](const LessonFacts&, const LessonScore& score) {
+  m.headline = [](const LessonFacts& facts, const LessonScore& score) {
+    if (facts.from_scan) return of_scan(own(facts));
     return texts::Phrase("needle passes: {}, {}",
                          {std::to_string(score.count("passes_count")), score.flag("success") ? "green" : "red"});
   };

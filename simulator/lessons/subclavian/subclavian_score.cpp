@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lessons/subclavian/line_scan.h"
 #include "lessons/time_row.h"
 
 namespace trephine::lessons {
@@ -14,8 +15,18 @@ namespace {
 // The pass that is judged: the one that lies in place, else the last.
 const VeinPass* judged_pass(const SubclavianFacts& f) { return f.passes.empty() ? nullptr : &f.passes.back(); }
 
+// Of a CT that shows no line, or one that is doubtful, nothing is judged.
+bool is_unseen(const SubclavianFacts& f, ScoreRow& row) {
+  const texts::Phrase why = unseen_line(f);
+  if (why.empty()) return false;
+  row.score.reset();
+  row.why = why;
+  return true;
+}
+
 ScoreRow score_puncture(const SubclavianFacts& f, const ChestFrame& frame, const PunctureRubric& r) {
   ScoreRow row{"puncture", "Puncture of the skin", 1, "the needle entered nothing", {}, {}, {}};
+  if (is_unseen(f, row)) return row;
   const VeinPass* pass = judged_pass(f);
   if (!pass) return row;
   const double below = frame.below_border_mm(pass->entry_mm);
@@ -31,6 +42,7 @@ ScoreRow score_puncture(const SubclavianFacts& f, const ChestFrame& frame, const
 
 ScoreRow score_direction(const SubclavianFacts& f, const ChestFrame& frame, const NotchRubric& r) {
   ScoreRow row{"direction", "Direction of the needle", 1, "the needle entered nothing", {}, {}, {}};
+  if (is_unseen(f, row)) return row;
   const VeinPass* pass = judged_pass(f);
   if (!pass) return row;
   const double off = frame.off_notch_deg(pass->entry_mm, pass->tip_mm - pass->entry_mm);
@@ -66,6 +78,14 @@ std::pair<double, double> beyond_vein(const SubclavianFacts& f, int vein) {
 
 ScoreRow score_vein(const SubclavianFacts& f, const ChestShapes& shapes, const SubclavianRubric& r) {
   ScoreRow row{"vein", "Blood from the vein", 1, "the vein was never reached", {}, {}, f.end_s};
+  if (is_unseen(f, row)) return row;
+  if (f.from_scan) {  // a line is pushed where blood came from; how often somebody drew, and how deep, nobody knows
+    if (f.inside == shapes.vein)
+      row.score = 5, row.why = "the line lies in the vein";
+    else if (f.vein_s >= 0)
+      row.score.reset(), row.why = "the line goes on beyond the vein that the case shows";
+    return row;
+  }
   if (f.blood_s >= 0) {
     row = {"vein", row.title, 5, "blood was aspirated with the tip in the vein", {}, {}, f.blood_s};
   } else if (f.inside == shapes.vein) {
@@ -99,6 +119,7 @@ ScoreRow score_vein(const SubclavianFacts& f, const ChestShapes& shapes, const S
 ScoreRow score_untouched(const SubclavianFacts& f, const char* name, const char* title, bool known, const char* unknown,
                          double entered_s, const std::string& entered) {
   ScoreRow row{name, title, {}, unknown, {}, {}, {}};
+  if (is_unseen(f, row)) return row;
   if (!known && entered_s < 0) return row;  // before all else: a case that does not know counts for nobody
   if (entered_s < 0 && f.vein_s < 0) {      // who does nothing, or pricks the skin alone, spares nothing
     row.score = 1;
@@ -116,6 +137,7 @@ ScoreRow score_passes(const SubclavianFacts& f, const SubclavianRubric& rubric, 
   const double count = double(f.passes.size());
   ScoreRow row{"passes", "Needle passes", 1, "the needle entered nothing", {{"passes_count", count}}, {}, f.end_s};
   row.limits = {{"ideal_count", r.ideal_count}, {"good_count", r.good_count}, {"most_count", r.most_count}};
+  if (f.from_scan) return {row.name, row.title, {}, not_shown(f), {}, {}, {}};
   if (f.passes.empty()) return row;
   row.decided_s = f.passes.back().begin_s;
   if (f.vein_s < 0) {  // a prick of the skin is one pass too, and spares nobody one
@@ -133,6 +155,8 @@ ScoreRow score_passes(const SubclavianFacts& f, const SubclavianRubric& rubric, 
 }
 
 texts::Phrase unreached_goal(const SubclavianFacts& f, const SubclavianRubric& r) {
+  if (const texts::Phrase unseen = unseen_line(f); !unseen.empty()) return unseen;
+  if (f.from_scan) return f.vein_s < 0 ? "the vein was never reached" : "";
   if (f.end != LessonEnd::finished) return name_of(f.end);
   if (f.passes.empty()) return "the needle entered nothing";
   if (f.blood_s < 0) return "no blood was drawn from the vein";
@@ -208,6 +232,8 @@ NeedleColour needle_colour(const SubclavianFacts& f, const SubclavianRubric& rub
                       double(f.passes.size()) > rubric.passes.most_count.limit ||
                       f.procedure_s() > rubric.time.allotted_s.limit || f.end == LessonEnd::device_lost;
   if (failed) return NeedleColour::red;
+  if (f.from_scan)
+    return f.passes.empty() ? NeedleColour::none : f.vein_s < 0 ? NeedleColour::red : NeedleColour::green;
   if (f.blood_s >= 0) return NeedleColour::green;
   return f.end == LessonEnd::running ? NeedleColour::none : NeedleColour::red;
 }
@@ -241,6 +267,8 @@ LessonScore score_subclavian(const SubclavianFacts& f, const cases::CaseManifest
                    {"first_pass", success && f.passes.size() == 1},
                    {"passes_count", int(f.passes.size())},
                    {"aspirations_count", int(f.aspirations.size())}};
+  if (f.from_scan)  // success is blood in few passes and in time
+    for (LessonFigure& figure : score.figures) figure.value = std::monostate();
   return score;
 }
 
