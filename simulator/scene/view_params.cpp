@@ -88,7 +88,7 @@ std::vector<Marker> places_of(const cases::CaseManifest& m) {
 
 std::vector<Marker> moving_of(const session::MovingTarget* target, double time_s) {
   if (!target) return {};
-  return {{target->first_mm(), 1, {0.1f, 0.75f, 0.35f}}, {target->at_mm(time_s), 1.5, {0.9f, 0.15f, 0.1f}}};
+  return {{target->first_mm(), 2, {0.1f, 0.75f, 0.35f}}, {target->at_mm(time_s), 3, {0.9f, 0.15f, 0.1f}}};
 }
 
 OrbitCamera camera_of(const ViewParams& params, const cases::CaseManifest& manifest, const SceneData& scene) {

@@ -29,6 +29,11 @@ CaseView::CaseView(std::shared_ptr<session::Patient> patient, const scene::ViewP
   shapes_ = patient_->felt.shapes;
 }
 
+void CaseView::show_target(std::shared_ptr<const session::MovingTarget> target) {
+  target_ = std::move(target);
+  if (target_ && stage_.view().view == scene::ViewPreset::surgeon) set_view("surgeon");
+}
+
 texts::Answer CaseView::set_view(const std::string& preset) {
   if (preset == "surgeon" && stands_from) {
     camera.look_from(*stands_from, stage_.scene().bounds);
@@ -37,9 +42,12 @@ texts::Answer CaseView::set_view(const std::string& preset) {
     camera.zoom(fit_);
     return {};
   }
-  if (preset == "surgeon" && open_field_mm && norm(middle_mm() - *open_field_mm) > 1) {
+  const std::optional<Vec3> work_mm = open_field_mm ? open_field_mm
+                                      : target_     ? std::optional<Vec3>(target_->first_mm())
+                                                    : std::nullopt;
+  if (preset == "surgeon" && work_mm && norm(middle_mm() - *work_mm) > 1) {
     const surface::Bounds& b = stage_.scene().bounds;
-    camera.look(scene::ViewPreset::surgeon, b, open_field_mm, normalized(middle_mm() - *open_field_mm), 0);
+    camera.look(scene::ViewPreset::surgeon, b, work_mm, normalized(middle_mm() - *work_mm), 0);
     camera.zoom(around_field);
     return {};
   }

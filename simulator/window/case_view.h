@@ -44,7 +44,8 @@ class CaseView {
   bool traces() const { return traces_; }
 
   /// A target that a hand follows from now on; null: none.
-  void show_target(std::shared_ptr<const session::MovingTarget> target) { target_ = std::move(target); }
+  /// The surgeon of a session with a target stands over where it sets off.
+  void show_target(std::shared_ptr<const session::MovingTarget> target);
   /// How far the tip is behind it along its path, mm; none where it does not run.
   std::optional<double> behind_mm() const;
   /// Tool, hand and contact as they are in that frame.
