@@ -75,6 +75,9 @@ TEST(CaseMeaning, WhatTheSpecificationForbidsIsRefused) {
                                    {"/back/damping_n_s_per_mm", -1},
                                    {"/drag_n_s_per_mm", 2},
                                    {"/shaft_friction_n_per_mm", 2},
+                                   {"/rest_ratio", 0},
+                                   {"/relaxation_s", 101},
+                                   {"/tip_force_n", 21},
                                    {"/removal_energy_j_per_mm3", 11}})
     EXPECT_EQ(with(good, (material + key).c_str(), value).rfind(at + ".", 0), 0u) << key;
   EXPECT_EQ(with(good, "/anatomies/0/deviation_mm/max", 1e5), "anatomies.outer.deviation_mm.max");

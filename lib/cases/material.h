@@ -45,6 +45,7 @@ struct MaterialParams {
   std::array<double, 3> colour_rgb{0.8, 0.8, 0.8};
   CaseFace front, back;
   double drag_n_s_per_mm = 0, shaft_friction_n_per_mm = 0, removal_energy_j_per_mm3 = 0;
+  double rest_ratio = 1, relaxation_s = 0, tip_force_n = 0;
   Vec3 grain_direction;
   /// The values that no hand feels: what is seen, and what a drill makes of it, which a recording's outcome tells.
   static constexpr std::string_view not_felt[] = {"colour_rgb", "removal_energy_j_per_mm3"};
@@ -57,6 +58,16 @@ struct MaterialParams {
     v.number(&P::drag_n_s_per_mm, "drag_n_s_per_mm", Range{0, 1}, "Drag on a tip that has entered.");
     v.number(&P::shaft_friction_n_per_mm, "shaft_friction_n_per_mm", Range{0, 1},
              "Friction on the shaft, for each mm of it inside.");
+    v.number(&P::rest_ratio, "rest_ratio", Range{0.01, 1},
+             "What remains of the springs' force on a deformation that is held; 1: all of it, they do not relax.")
+        .not_always();
+    v.number(&P::relaxation_s, "relaxation_s", Range{0, 100},
+             "Time in which the rest of it decreases by a factor of e, as in a standard linear solid; 0: they do not "
+             "relax.")
+        .not_always();
+    v.number(&P::tip_force_n, "tip_force_n", Range{0, 20},
+             "Force with which a tip that has entered cuts its way on, apart from drag and friction.")
+        .not_always();
     v.number(&P::removal_energy_j_per_mm3, "removal_energy_j_per_mm3", Range{0, 10},
              "Energy that a drill spends on a mm^3; 0: it cannot be drilled.");
     v.numbers(&P::grain_direction, "grain_direction", Range{-1, 1},

@@ -74,7 +74,7 @@ struct ForceParams {
 
 /// The shaft of a tool, behind its tip, on which shaft friction acts and which holds it on a line.
 struct ShaftParams {
-  double shaft_length_mm = 0;
+  double shaft_length_mm = 0, shaft_rigidity_n_mm2 = 0;
   std::string line_lock_in;
   template <class V>
   static void describe(V& v) {
@@ -83,6 +83,9 @@ struct ShaftParams {
     v.text(&ShaftParams::line_lock_in, "line_lock_in",
            "Shapes, such as skull,brain, that hold a tool whose tip has entered them: it keeps its orientation and "
            "moves along its own axis alone until it has left them.")
+        .not_always();
+    v.number(&ShaftParams::shaft_rigidity_n_mm2, "shaft_rigidity_n_mm2", Range{0, 1e6},
+             "Bending stiffness E I of the shaft between the hand and the shape that holds it on a line; 0: rigid.")
         .not_always();
   }
 };

@@ -63,7 +63,25 @@ bool HeldSurfaces::any_presses() const {
   return false;
 }
 
-HeldSurfaces::Felt HeldSurfaces::felt(Vec3 proxy, Vec3 device, Vec3 velocity, int named) const {
+// The springs of a shape, along the normals and along the way that friction holds, relax as one.
+void HeldSurfaces::relax(Vec3 slid, double pressure, double* push, tissue::Relaxations& relaxing) const {
+  std::uint64_t seen = 0;
+  for (int n = 0; n < count_; ++n) {
+    const int shape = held_[n].shape;
+    if (!(push[n] > 0) || !relaxing.relaxes(shape) || (seen >> shape & 1)) continue;
+    seen |= std::uint64_t{1} << shape;
+    Vec3 whole;
+    for (int m = n; m < count_; ++m)
+      if (held_[m].shape == shape) whole += planes_[m].normal * push[m] + slid * (push[m] / pressure);
+    const double share = relaxing.share(shape, norm(whole));
+    relaxing.note(shape, norm(whole));
+    for (int m = n; m < count_; ++m)
+      if (held_[m].shape == shape) push[m] *= share;
+  }
+}
+
+HeldSurfaces::Felt HeldSurfaces::felt(Vec3 proxy, Vec3 device, Vec3 velocity, int named,
+                                      tissue::Relaxations& relaxing) const {
   Felt is;
   if (count_ == 0) return is;
   if (!solved_) {
@@ -73,17 +91,26 @@ HeldSurfaces::Felt HeldSurfaces::felt(Vec3 proxy, Vec3 device, Vec3 velocity, in
     is.count = count_;
     is.normal = planes_[count_ - 1].normal;
     is.force_n = (proxy - device) * h.feel.stiffness_n_per_mm;
+    const double whole = norm(is.force_n);
+    is.force_n = is.force_n * relaxing.share(h.shape, whole);
+    relaxing.note(h.shape, whole);
     is.torque_n_mm = cross(h.arm_mm, is.force_n);
     return is;
   }
   Vec3 arm;
-  double most = -1, pressure = 0, spring = 0;
+  double most = -1, pressure = 0, spring = 0, pushes[max_count] = {};
   for (int n = 0; n < count_; ++n) {
-    const cases::CaseFace& feel = held_[n].feel;
-    const double mm = nearest_.pressure_mm[n], push = feel.stiffness_n_per_mm * mm;
+    const double mm = nearest_.pressure_mm[n];
     if (!(mm > 0)) continue;
     ++is.count;
     pressure += mm;
+    pushes[n] = held_[n].feel.stiffness_n_per_mm * mm;
+  }
+  if (pressure > 0) relax(proxy - nearest_.point_mm, pressure, pushes, relaxing);
+  for (int n = 0; n < count_; ++n) {
+    const cases::CaseFace& feel = held_[n].feel;
+    const double mm = nearest_.pressure_mm[n], push = pushes[n];
+    if (!(mm > 0)) continue;
     spring += push;
     const Vec3 back =
         planes_[n].normal * std::max(0.0, push - feel.damping_n_s_per_mm * dot(velocity, planes_[n].normal));

@@ -4,6 +4,7 @@
 #include "cases/material.h"
 #include "contact/constraints.h"
 #include "haptics/grain.h"
+#include "tissue/relaxation.h"
 
 namespace trephine::haptics {
 
@@ -58,10 +59,12 @@ class HeldSurfaces {
   };
   /// Each plane's spring and damper along its normal, which never pull, and the spring along the way that friction
   /// held. Where nothing is solved, in a corner that three planes do not describe, the spring of the last plane alone.
-  /// Of two that press alike the one of the shape `named` is named, so that the name does not flicker.
-  Felt felt(Vec3 proxy_mm, Vec3 device_mm, Vec3 velocity_mm_s, int named) const;
+  /// Of two that press alike the one of the shape `named` is named, so that the name does not flicker. What of a
+  /// shape's springs has relaxed is left out, and noted.
+  Felt felt(Vec3 proxy_mm, Vec3 device_mm, Vec3 velocity_mm_s, int named, tissue::Relaxations& relaxing) const;
 
  private:
+  void relax(Vec3 slid_mm, double pressure_mm, double* push_n, tissue::Relaxations& relaxing) const;
   bool is_same(int place, Vec3 normal, int shape) const;
   contact::Plane planes_[max_count];
   HeldSurface held_[max_count];

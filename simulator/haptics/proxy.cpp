@@ -36,6 +36,7 @@ Proxy::Proxy(const touch::FeltSpace& space, const Feels& feels, const ForceParam
       body_(proxy_body(ground_, tool)),
       line_(space.line_lock()),
       shaft_(shaft.shaft_length_mm > 0 ? shaft.shaft_length_mm : tool.length_mm),
+      bent_{shaft.shaft_rigidity_n_mm2, shaft.shaft_length_mm > 0 ? shaft.shaft_length_mm : tool.length_mm},
       slew_(force) {
   for (const ShapeFeel& f : feels)
     stiffest_n_per_mm_ = std::max({stiffest_n_per_mm_, f.front.stiffness_n_per_mm, f.back.stiffness_n_per_mm});
@@ -56,6 +57,7 @@ void Proxy::reset() {
   line_.reset();
   off_line_mm_ = {};
   ground_.way_out = {};
+  ground_.relaxing.reset();
 }
 
 // The tool is shown at the device, and feels nothing.
@@ -128,6 +130,8 @@ void Proxy::begin(const HapticInput& in) {
   velocity_ = {};
   since_s_ = 0;
   shaft_.begin();
+  tip_.begin();
+  ground_.relaxing.reset();
   begun_ = body_->begin(in);
   moved_from_mm_ = state.proxy_mm;
 }
@@ -139,6 +143,7 @@ void Proxy::note_motion(const HapticInput& in) {
   device_mm_ = in.tip_mm;
   since_s_ += in.dt_s;
   ground_.friction.pass(in.dt_s);
+  ground_.relaxing.begin_tick(in.dt_s);
 }
 
 // Of the surfaces, of what the tool is in, and of what the tool does; it rises from 0 after the start, and does not
@@ -148,7 +153,7 @@ Vec3 Proxy::force_of(const HapticInput& in) {
   const Vec3 held_mm = body_->held_mm(), wanted_mm = body_->wanted_mm(in);
   hold_corner(ground_.surfaces, norm(held_mm - wanted_mm), ground_.margin_mm);
   const double explained_n = 2 * stiffest_n_per_mm_ * moved_mm_;
-  Vec3 force = surface_force(held_mm, wanted_mm) + line_force();
+  Vec3 force = surface_force(held_mm, wanted_mm) + line_force(in.tip_mm);
   force = ease_.ease(force + inside_force(in), explained_n, in.dt_s, force_.release_s) + in.extra_n;
   if (since_s_ < force_.ramp_s) force = force * (since_s_ / force_.ramp_s);
   if (in.breached) state.events |= haptic_event::breach;
@@ -158,7 +163,8 @@ Vec3 Proxy::force_of(const HapticInput& in) {
 
 Vec3 Proxy::surface_force(Vec3 held_mm, Vec3 device_mm) {
   HapticState& state = ground_.state;
-  const HeldSurfaces::Felt felt = ground_.surfaces.felt(held_mm, device_mm, velocity_, state.touched);
+  const HeldSurfaces::Felt felt = ground_.surfaces.felt(held_mm, device_mm, velocity_, state.touched, ground_.relaxing);
+  ground_.relaxing.end_tick();
   state.touched = felt.shape;
   state.face = felt.face;
   state.held_by = felt.count;
@@ -167,12 +173,14 @@ Vec3 Proxy::surface_force(Vec3 held_mm, Vec3 device_mm) {
   return felt.force_n;
 }
 
-// Drag on the tip, and what the tissue holds of the shaft.
+// Drag on the tip, what it cuts, and what the tissue holds of the shaft.
 Vec3 Proxy::inside_force(const HapticInput& in) {
   const HapticState& state = ground_.state;
-  const Vec3 drag = velocity_ * -ground_.feels[std::size_t(state.inside)].drag_n_s_per_mm;
-  return drag -
-         shaft_.force_n(ground_.contact.contact(), ground_.feels, state.proxy_mm, state.axis, velocity_, in.dt_s);
+  const ShapeFeel& feel = ground_.feels[std::size_t(state.inside)];
+  const Vec3 drag = velocity_ * -feel.drag_n_s_per_mm;
+  const Vec3 cut = tip_.force_n(feel.tip_force_n, state.axis, velocity_, in.dt_s);
+  const auto held = [&](int shape) { return ground_.feels[std::size_t(shape)].shaft_friction_n_per_mm; };
+  return drag + cut - shaft_.force_n(ground_.contact.contact(), held, state.proxy_mm, state.axis, velocity_, in.dt_s);
 }
 
 void Proxy::note_line() {
@@ -184,11 +192,13 @@ void Proxy::note_line() {
 }
 
 // Of the wall of the hole by which the tool came in, across its axis.
-Vec3 Proxy::line_force() const {
+Vec3 Proxy::line_force(Vec3 hand_mm) const {
   if (!line_.holds()) return {};
   const cases::CaseFace& wall = ground_.feels[std::size_t(line_.shape())].front;
   const Vec3 across = velocity_ - line_.axis() * dot(velocity_, line_.axis());
-  return off_line_mm_ * (wall.touchable ? wall.stiffness_n_per_mm : stiffest_n_per_mm_) -
+  const tissue::BentShaft::Springs bent =
+      bent_.at(wall.touchable ? wall.stiffness_n_per_mm : stiffest_n_per_mm_, line_.depth_mm(hand_mm));
+  return off_line_mm_ * bent.across_n_per_mm + line_.axis() * (bent.along_n_per_mm2 * dot(off_line_mm_, off_line_mm_)) -
          across * (wall.touchable ? wall.damping_n_s_per_mm : 0);
 }
 

@@ -6,9 +6,11 @@
 #include "haptics/force_slew.h"
 #include "haptics/haptic_state.h"
 #include "haptics/proxy_body.h"
-#include "haptics/shaft_friction.h"
 #include "haptics/tool.h"
 #include "haptics/tool_body.h"
+#include "tissue/bent_shaft.h"
+#include "tissue/cutting_tip.h"
+#include "tissue/shaft_friction.h"
 #include "touch/entered_line.h"
 
 namespace trephine::haptics {
@@ -30,7 +32,10 @@ namespace trephine::haptics {
 ///
 /// A tip that has entered a shape of FeltSpace::line_lock holds the tool on its line (touch/entered_line.h): the hand
 /// is felt as if it were on that line, and the wall of the hole, as stiff and damped as the shape's front, presses it
-/// back.
+/// back, through the shaft where that bends (tissue/bent_shaft.h).
+///
+/// The springs of a shape whose material relaxes do (tissue/relaxation.h), and a face then gives way at the force that
+/// is felt. A tip that has entered cuts its way on (tissue/cutting_tip.h).
 ///
 /// The force changes by at most max_force_rate_n_per_s times the loop's period a frame, however long the frame was.
 /// After a stall it starts from what the device still holds (ForceHold).
@@ -78,7 +83,7 @@ class Proxy {
   void set_torque(const HapticInput& in, Vec3 before);
   void note_events(const HapticState& before);
   void note_line();
-  Vec3 line_force() const;
+  Vec3 line_force(Vec3 hand_mm) const;
 
   ForceParams force_;
   ProxyGround ground_;
@@ -90,7 +95,9 @@ class Proxy {
   Vec3 pressed_n_mm_;  // torque of the surfaces of this frame
   Vec3 off_line_mm_;   // from the hand to the line that holds the tool
   touch::EnteredLine line_;
-  ShaftFriction shaft_;
+  tissue::ShaftFriction shaft_;
+  tissue::BentShaft bent_;
+  tissue::CuttingTip tip_;
   ForceEase ease_;
   ForceSlew slew_;
 };

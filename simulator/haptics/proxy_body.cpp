@@ -7,8 +7,18 @@
 
 namespace trephine::haptics {
 
+namespace {
+
+std::vector<tissue::SolidLaw> laws_of(const Feels& feels) {
+  std::vector<tissue::SolidLaw> laws;
+  for (const ShapeFeel& f : feels) laws.push_back({f.rest_ratio, f.relaxation_s});
+  return laws;
+}
+
+}  // namespace
+
 ProxyGround::ProxyGround(const touch::FeltSpace& space, const Feels& all)
-    : contact(space), feels(all), faces(touchable_of(all)) {
+    : contact(space), feels(all), faces(touchable_of(all)), relaxing(laws_of(all)) {
   const Vec3 s = space.volume().voxels.spacing_mm;
   const bool boxes = space.params().surface == contact::ContactParams::Surface::nearest;
   margin_mm = 1e-3 * space.smallest_side_mm();
@@ -29,7 +39,9 @@ HeldSurface ProxyGround::held(const contact::Contact& c) const {
 
 bool ProxyGround::pops(int place) const {
   const cases::CaseFace& feel = surfaces.surface(place).feel;
-  return feel.pop_through_n > 0 && feel.stiffness_n_per_mm * surfaces.pressure_mm(place) > feel.pop_through_n;
+  const double whole = feel.stiffness_n_per_mm * surfaces.pressure_mm(place);
+  return feel.pop_through_n > 0 && whole > feel.pop_through_n &&
+         whole * relaxing.share(surfaces.surface(place).shape, whole) > feel.pop_through_n;
 }
 
 bool ProxyGround::is_solid(int shape) const {

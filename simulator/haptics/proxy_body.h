@@ -36,6 +36,7 @@ struct ProxyGround {
   HapticState state;
   HeldSurfaces surfaces;
   SlidingFriction friction;
+  tissue::Relaxations relaxing;
   touch::WayOut way_out;
 };
 

@@ -19,6 +19,9 @@ class EnteredLine {
   /// The place of the line that is nearest to the hand.
   Vec3 nearest_to(Vec3 hand_mm) const { return through_mm_ + axis_ * dot(hand_mm - through_mm_, axis_); }
 
+  /// How deep a tip is along the line; below 0 where it was drawn back beyond where it entered.
+  double depth_mm(Vec3 tip_mm) const { return dot(through_mm_ - tip_mm, axis_); }
+
   enum class Change { none, began, ended };
   /// The tip as it is shown after a tick, and what it is in. A tool that begins inside is held where it begins.
   Change look(int inside, Vec3 tip_mm, Vec3 axis) {
