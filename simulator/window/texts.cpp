@@ -29,7 +29,7 @@ constexpr Row table[] = {
     {Text::depth, {{"Depth", "Tiefe"}}},
     {Text::force, {{"Force", "Kraft"}}},
     {Text::to_target, {{"To the target", "Zum Ziel"}}},
-    {Text::behind_target, {{"Behind the moving target", "Hinter dem bewegten Ziel"}}},
+    {Text::behind_target, {{"Behind the target", "Hinter dem Ziel"}}},
     {Text::picture, {{"Picture", "Bild"}}},
     {Text::servo, {{"Servo", "Servo"}}},
     {Text::late, {{"woken late", "verspätet"}}},
