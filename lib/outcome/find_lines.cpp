@@ -23,7 +23,8 @@ constexpr double most_width_mm = 6;
 constexpr double below_skin_from_mm = 5, below_skin_to_mm = 15;
 constexpr double fades_mm = 6;  ///< so far below the skin, where tissue and air lie about it
 constexpr double metal_mm = 4, metal_on_skin_hu = 2600;
-constexpr double end_mm = 1;  ///< before the tip it is as thick as elsewhere
+constexpr double end_mm = 1;            ///< before the tip it is as thick as elsewhere
+constexpr double deep_in_lung_mm = 10;  ///< with less of it there it may go on unseen
 constexpr double lung_hu = -300;
 constexpr double there_before_ratio = 0.6;
 constexpr double same_mm = 4;
@@ -188,7 +189,9 @@ std::optional<lesson::OutcomeLine> line_of(const CaseChest& chest, const ScanVie
   doubt(!to_skin, "not_to_the_skin");
   doubt(to_skin && most_about(scan, inside.front().at_mm) > metal_on_skin_hu, "metal");
   doubt(ends, "scan_ends");
-  doubt(before_air, "before_air");
+  const bool just_in_lung = line.in_lung_mm > 0 && line.in_lung_mm < deep_in_lung_mm &&
+                            (chest.holds(chest.lung, line.tip_mm) || chest.holds(chest.pleura, line.tip_mm));
+  doubt(before_air || just_in_lung, "before_air");
   doubt(line.length_mm < short_mm, "short");
   doubt(line.confidence < sure || double(mask::median(peak, 0)) < faint_hu, "faint");
   return line;
