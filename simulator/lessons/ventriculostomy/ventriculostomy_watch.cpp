@@ -26,6 +26,9 @@ haptics::BeltToolParams tool_of(const char* name, const char* kind) {
   return t;
 }
 
+// What is neither blunt nor cuts nor draws goes into the brain.
+bool is_catheter(const haptics::BeltToolParams& t) { return !t.blunt && !t.marks && !t.cuts; }
+
 }  // namespace
 
 std::vector<haptics::BeltToolParams> ventriculostomy_tools() {
@@ -34,7 +37,11 @@ std::vector<haptics::BeltToolParams> ventriculostomy_tools() {
   marker.blunt = marker.marks = true;
   burr.blunt = burr.cuts = true;
   std::vector<haptics::BeltToolParams> all = {marker, burr, catheter};
-  // Further burrs, each a tool named by its kind and width; the numbers of the others stay as they were.
+  for (const char* name : {"suction", "irrigation"}) {
+    all.push_back(tool_of(name, name));
+    all.back().blunt = true;
+  }
+  // Further burrs, each a tool named by its kind and width.
   for (const auto& [name, kind, width_mm] : {std::tuple{"burr", "ball", 3},
                                              {"burr", "ball", 4},
                                              {"burr", "ball", 6},
@@ -48,10 +55,6 @@ std::vector<haptics::BeltToolParams> ventriculostomy_tools() {
     other.tool_diameter_mm = width_mm;
     static_cast<haptics::ToolParams&>(other) = haptics::own_tool(other);
     all.push_back(other);
-  }
-  for (const char* name : {"suction", "irrigation"}) {
-    all.push_back(tool_of(name, name));
-    all.back().blunt = true;
   }
   return all;
 }
@@ -94,7 +97,7 @@ LessonPhase Ventriculostomy::phase() const {
 
 void Ventriculostomy::begin(const haptics::ServoFrame&, const haptics::ToolBelt& belt) {
   for (const haptics::BeltToolParams& t : belt.tools())
-    if (!t.marks && !t.cuts) catheter_mm_ = t.tool_diameter_mm;
+    if (is_catheter(t)) facts_.catheter_mm = t.tool_diameter_mm;
 }
 
 void Ventriculostomy::tick(const haptics::ServoFrame& f, const haptics::ToolBelt& belt, bool pedal) {
@@ -102,7 +105,7 @@ void Ventriculostomy::tick(const haptics::ServoFrame& f, const haptics::ToolBelt
   draw(f, pedal && tool.marks);
   drill(f, belt, pedal && tool.cuts);
   dura_.tick(f, pedal && tool.cuts, facts_.dura);
-  const bool catheter = !tool.marks && !tool.cuts;
+  const bool catheter = is_catheter(tool);
   if (catheter && !belt.paused())
     pass(f);
   else if (in_brain_ && !(catheter && stays(f)))
@@ -183,14 +186,14 @@ void Ventriculostomy::drill(const haptics::ServoFrame& f, const haptics::ToolBel
   removed_units_ = removed;
   const bool due = pedal ? f.time_s - looked_s_ > look_each_s : drilling_;
   drilling_ = pedal;
-  if (due && removed_units_ != looked_units_) look_for_hole(f.time_s, catheter_mm_);
+  if (due && removed_units_ != looked_units_) look_for_hole(f.time_s, facts_.catheter_mm);
   if (stroke_ends) note_holes();
 }
 
 HoleSearch Ventriculostomy::search() const {
   HoleSearch search;
   search.bone = shapes_.bone;
-  search.ball_mm = catheter_mm_;
+  search.ball_mm = facts_.catheter_mm;
   search.box = grid::grown(drilled_box_, 0, now_.voxels);
   search.sites = sites_;
   return search;
@@ -259,7 +262,7 @@ void Ventriculostomy::end_pass(double time_s, bool in_place) {
 
 void Ventriculostomy::close() {
   end_trace();
-  if (drilling_ && removed_units_ != looked_units_) look_for_hole(facts_.end_s, catheter_mm_);
+  if (drilling_ && removed_units_ != looked_units_) look_for_hole(facts_.end_s, facts_.catheter_mm);
   if (drilling_ && removed_units_ != removed_units_at_note_) note_holes();
   drilling_ = false;
   end_pass(facts_.end_s, true);
@@ -268,7 +271,7 @@ void Ventriculostomy::close() {
   if (facts_.drilled_beforehand)
     facts_.hole = find_case_hole(manifest_, facts_.passes.back().entry_mm);
   else if (removed_units_ > 0)
-    look_for_hole(facts_.end_s, catheter_mm_);
+    look_for_hole(facts_.end_s, facts_.catheter_mm);
 }
 
 }  // namespace trephine::lessons

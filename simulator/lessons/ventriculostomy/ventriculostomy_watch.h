@@ -65,7 +65,8 @@ struct VentriculostomyFacts : LessonFacts {
   double through_s = -1;         ///< when a ball as wide as the catheter first passed; -1: never
   std::optional<BoneHole> hole;  ///< the drilled one, or the case's
   std::vector<BoneHole>
-      holes;  ///< all that were ever drilled, also those that were taken back or became part of another
+      holes;                 ///< all that were ever drilled, also those that were taken back or became part of another
+  double catheter_mm = 2.5;  ///< its width, which a hole must let through
   std::vector<CatheterPass> passes;
   std::optional<DuraFacts> dura;  ///< none where the case has no dura to be felt
 };
@@ -119,7 +120,6 @@ class Ventriculostomy : public Lesson {
   HeadShapes shapes_;
   VentriculostomyFacts facts_;
   DuraWatch dura_;
-  double catheter_mm_ = 2.5;
   bool drawing_ = false, drilling_ = false, in_brain_ = false;
   double last_touch_s_ = 0, looked_s_ = 0;
   std::int64_t removed_units_ = 0, looked_units_ = 0, removed_units_at_note_ = 0;
