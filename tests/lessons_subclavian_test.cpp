@@ -106,7 +106,7 @@ TEST(LessonsSubclavian, WhatMustNotBeEnteredIsSeen) {
   EXPECT_EQ(artery.points("lung"), 5);
   EXPECT_EQ(colour(artery), lessons::NeedleColour::red);
   EXPECT_FALSE(artery.score.flag("success"));
-  EXPECT_EQ(artery.facts.aspirations.front().drawn, lesson::Fluid::arterial_blood);
+  EXPECT_EQ(syringe(artery), "blood") << "drawn from the vein at last";
   EXPECT_EQ(syringe(with_artery().run(to("[0, 18, 2]", ", \"short_of_mm\": -6") + R"(, "aspirate", "finish")")),
             "bright blood");
 }

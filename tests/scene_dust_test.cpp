@@ -155,6 +155,15 @@ TEST(BoneDust, BloodWellsUpAndIsStopped) {
   for (; in_hole.time_s < 3; in_hole.time_s += 0.001) hole.add(in_hole);
   EXPECT_GT(hole.blood_at(at + Vec3{2, 0, 10}), 0.5);
   EXPECT_EQ(hole.blood_at(at + Vec3{5, 0, 5}), 0) << "not within the bone";
+  // Once it is stopped and taken up, none comes again.
+  hole.bleed({{at, at + Vec3{0, 0, 10}, 5, 6, 0, in_hole.time_s}}, down);
+  in_hole.takes_up = true;
+  in_hole.tip_mm = at;
+  for (; in_hole.time_s < 5; in_hole.time_s += 0.001) hole.add(in_hole);
+  in_hole.takes_up = false;
+  for (; in_hole.time_s < 6; in_hole.time_s += 0.001) hole.add(in_hole);
+  EXPECT_LT(hole.blood_at(at), 0.05);
+  EXPECT_LT(hole.blood_at(at + Vec3{0, 0, 9}), 0.05);
   // A sinus fills more than a hole: the rest runs down.
   scene::BoneDust sinus;
   sinus.bleed({{at, at, 0, 60, 0, 1e9}}, down);

@@ -52,7 +52,7 @@ TEST(WindowQuestions, EachHasItsTime) {
   facts.end_s = 2;
   ASSERT_TRUE(questions.wants_errors(facts));
   questions.ask([] {
-    window::Happened happened{{"artery"}, {}};
+    window::Happened happened{{"artery"}, {}, 0};
     happened.flows.emplace_back().fluid = lesson::Fluid::arterial_blood;
     return happened;
   });
@@ -78,15 +78,17 @@ TEST(WindowQuestions, AnAnswerMayEndWhatIsSeen) {
   r.questions = {r.questions[1]};
   r.critical_errors.emplace_back().error = "artery";
   window::LessonQuestions nothing_seen(asked_of(r), r);
-  nothing_seen.found({{"artery"}, {}});
+  nothing_seen.found({{"artery"}, {}, 0});
   r.critical_errors[0].leads_to.emplace().fluid = lesson::Fluid::arterial_blood;
   window::LessonQuestions questions(asked_of(r), r);
   EXPECT_TRUE(questions.waits_for_errors());
-  questions.found({{"artery"}, std::vector<lessons::Flow>(1)});
+  questions.found({{"artery"}, std::vector<lessons::Flow>(1), 0});
   EXPECT_FALSE(questions.waits_for_errors());
   EXPECT_NE(questions.answer({}, "yes"), haptics::belt_command::none);
   EXPECT_TRUE(questions.waits_for_errors());
-  questions.found({});
+  questions.found({{"artery"}, std::vector<lessons::Flow>(1), 0});  // of somebody who looked before the answer
+  EXPECT_TRUE(questions.waits_for_errors());
+  questions.found({{}, {}, 1});
   EXPECT_FALSE(questions.waits_for_errors());
   EXPECT_TRUE(questions.flows().empty());
   EXPECT_NE(nothing_seen.answer({}, "yes"), haptics::belt_command::none);

@@ -19,7 +19,7 @@ TEST(Theatre, CsfMovesOutAlongTheTubeAndDripsFromItsEnd) {
   const Vec3 tip{1, 2, 3}, axis{0, 0, 1}, down{0, 1, 0};
   constexpr double ml_per_s = 0.07;  // a drop each 0.7 s
   const auto drops = [&](double time_s) {
-    return scene::csf_drops({tip, axis, down, 1.25, 160}, ml_per_s * time_s, ml_per_s);
+    return scene::drops_of({tip, axis, down, 1.25, 160}, ml_per_s * time_s, ml_per_s, scene::csf_rgb);
   };
   const std::vector<scene::Marker> first = drops(0.1), later = drops(0.2);
   ASSERT_GT(first.size(), 5u);
@@ -59,7 +59,7 @@ TEST(Theatre, CsfFlowsAsItsPressureDrives) {
   scene::CsfDrain high;
   high.step(400, 60);
   EXPECT_EQ(high.drained_ml(), 0);
-  EXPECT_TRUE(scene::csf_drops({{}, {0, 0, 1}, {0, 1, 0}}, 0, high.ml_per_s(400)).empty());
+  EXPECT_TRUE(scene::drops_of({{}, {0, 0, 1}, {0, 1, 0}}, 0, high.ml_per_s(400), scene::csf_rgb).empty());
 }
 
 TEST(Theatre, InstrumentsEndWhereTheySay) {

@@ -13,7 +13,7 @@ namespace trephine::lessons {
 struct Flow {
   lesson::Fluid fluid = lesson::Fluid::none;
   double ml_per_min = 0;
-  std::optional<Wound> wound;  ///< in which it wells up; none: it is seen in the tool alone
+  SeenAt seen;
   double begin_s = 0, end_s = std::numeric_limits<double>::infinity();
   bool runs(double time_s) const { return time_s >= begin_s && time_s < end_s; }
 };

@@ -97,16 +97,16 @@ std::string LessonScore::reason() const {
 }
 
 void CriticalErrors::happened(const std::string& error, const texts::Phrase& what, std::optional<double> at_s,
-                              const std::optional<Wound>& wound) {
-  above(error, 1e300, what, at_s, wound);
+                              const SeenAt& seen) {
+  above(error, 1e300, what, at_s, seen);
 }
 
 void CriticalErrors::above(const std::string& error, double figure, const texts::Phrase& what,
-                           std::optional<double> at_s, const std::optional<Wound>& wound) {
+                           std::optional<double> at_s, const SeenAt& seen) {
   for (const CriticalError& e : score_.critical)
     if (e.rule.error == error) return;
   for (const lesson::CriticalRule& rule : rules_)
-    if (rule.error == error && figure > rule.limit) score_.critical.push_back({what, rule, at_s, wound});
+    if (rule.error == error && figure > rule.limit) score_.critical.push_back({what, rule, at_s, seen});
 }
 
 }  // namespace trephine::lessons

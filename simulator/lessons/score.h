@@ -33,18 +33,24 @@ struct LessonFigure {
   std::variant<bool, int, double, std::monostate> value;  ///< nothing where it could not be judged
 };
 
-/// A critical error that happened.
 /// An open way from what was hurt to where a surgeon sees it.
 struct Wound {
   Vec3 source_mm, mouth_mm;
   double width_mm = 5;
 };
+/// Where what a critical error leads to is seen: in an open wound, or at the end of a hollow tool as long as its tip is
+/// in that haptic shape (0: none).
+struct SeenAt {
+  std::optional<Wound> wound;
+  int shape = 0;
+};
 
+/// A critical error that happened.
 struct CriticalError {
   texts::Phrase what;  ///< "the needle came through the front of the vertebra"
   lesson::CriticalRule rule;
   std::optional<double> at_s;
-  std::optional<Wound> wound;  ///< none: it is not open
+  SeenAt seen;
 };
 
 /// late: after the patient was cut, of a question that comes before that.
@@ -114,10 +120,10 @@ class CriticalErrors {
   CriticalErrors(const std::vector<lesson::CriticalRule>& rules, LessonScore& score) : rules_(rules), score_(score) {}
   /// It happened, at that moment of the recording.
   void happened(const std::string& error, const texts::Phrase& what, std::optional<double> at_s,
-                const std::optional<Wound>& wound = {});
+                const SeenAt& seen = {});
   /// It happened where the figure is above the rule's limit.
   void above(const std::string& error, double figure, const texts::Phrase& what, std::optional<double> at_s,
-             const std::optional<Wound>& wound = {});
+             const SeenAt& seen = {});
 
  private:
   const std::vector<lesson::CriticalRule>& rules_;

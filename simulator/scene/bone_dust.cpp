@@ -66,8 +66,14 @@ double BoneDust::blood_at(Vec3 p) const { return at(blood_, p); }
 
 void BoneDust::bleed(std::vector<Bleeding> all, Vec3 down) {
   down_ = down;
-  pools_.resize(all.size());
-  for (std::size_t n = 0; n < all.size(); ++n) pools_[n].of = all[n];
+  std::vector<Pool> pools;
+  for (const Bleeding& b : all) {
+    const auto same = std::find_if(pools_.begin(), pools_.end(), [&](const Pool& p) {
+      return p.of.begin_s == b.begin_s && p.of.ml_per_min == b.ml_per_min;
+    });
+    pools.push_back({b, same == pools_.end() ? 0 : same->ml});
+  }
+  pools_ = std::move(pools);
 }
 
 void BoneDust::add(const Tick& t) {
@@ -77,7 +83,10 @@ void BoneDust::add(const Tick& t) {
   }
   const bool bleeds =
       std::any_of(pools_.begin(), pools_.end(), [&](const Pool& p) { return p.of.begin_s <= t.time_s; });
-  if (bleeds && !any()) stay_about(pools_.front().of.mouth_mm);
+  if (bleeds && !any())
+    stay_about(std::min_element(pools_.begin(), pools_.end(), [](const Pool& a, const Pool& b) {
+                 return a.of.begin_s < b.of.begin_s;
+               })->of.mouth_mm);
   if (!any()) return;
   since_pool_s_ = bleeds ? since_pool_s_ + t.dt_s : 0;
   if (since_pool_s_ >= pool_each_s) well_up(t.time_s);
@@ -210,6 +219,7 @@ void BoneDust::thin(Pool& pool, double share) {
 void BoneDust::well_up(double time_s) {
   for (Pool& pool : pools_) {
     if (time_s >= pool.of.begin_s && time_s < pool.of.end_s) pool.ml += pool.of.ml_per_min / 60 * since_pool_s_;
+    if (!(pool.ml > 0)) continue;
     const Vec3 up = pool.of.mouth_mm - pool.of.source_mm;
     const double wide_mm = 0.5 * pool.of.width_mm, deep_mm = norm(up),
                  hole_ml = 1e-3 * pi * wide_mm * wide_mm * deep_mm;

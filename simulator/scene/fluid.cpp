@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "base/pi.h"
-#include "scene/tool_solid.h"
 
 namespace trephine::scene {
 namespace {
@@ -38,11 +37,11 @@ void CsfDrain::step(double height_mm, double dt_s) {
   for (; dt_s > 0; dt_s -= most_s) drained_ml_ += ml_per_s(height_mm) * std::min(dt_s, most_s);
 }
 
-std::vector<Marker> csf_drops(const Tube& t, double drained_ml, double ml_per_s) {
+std::vector<Marker> drops_of(const Tube& t, double drained_ml, double ml_per_s, const std::array<float, 3>& rgb) {
   std::vector<Marker> drops;
   if (!(ml_per_s > 0)) return drops;
   for (double at = std::fmod(1000 * drained_ml / tube_mm2, bead_apart_mm); at < t.to_mm; at += bead_apart_mm)
-    drops.push_back({t.tip_mm + t.axis * at, 1.2 * t.radius_mm, csf_rgb});
+    drops.push_back({t.tip_mm + t.axis * at, 1.2 * t.radius_mm, rgb});
   // The drop that swells, and those before it as long as they are seen to fall.
   const Vec3 end = t.tip_mm + t.axis * t.to_mm;
   double grown = std::fmod(drained_ml / drop_ml, 1.0);
@@ -51,7 +50,7 @@ std::vector<Marker> csf_drops(const Tube& t, double drained_ml, double ml_per_s)
     const double fallen_mm = 0.5 * gravity_mm_per_s2 * falling_s * falling_s;
     if (fallen_mm > seen_falling_mm) break;
     const double size = drop_mm * std::cbrt(std::min(1.0, grown / swells));
-    drops.push_back({end + t.down * (0.5 * size + fallen_mm), size, csf_rgb});
+    drops.push_back({end + t.down * (0.5 * size + fallen_mm), size, rgb});
   }
   return drops;
 }

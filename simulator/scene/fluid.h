@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <array>
 #include <vector>
 
 #include "scene/scene.h"
@@ -30,14 +31,16 @@ class CsfDrain {
   double drained_ml_ = 0;
 };
 
-/// A tube whose tip lies in CSF: from its tip along `axis` (unit) to its end, `to_mm` away; drops fall along `down`.
+/// A tube whose tip lies in a fluid: from its tip along `axis` (unit) to its end, `to_mm` away; drops fall along
+/// `down`.
 struct Tube {
   Vec3 tip_mm, axis, down;
   double radius_mm = 1.25, to_mm = 100;
 };
-/// CSF as it comes out of a tube through which so much has come, and so much comes now: beads that move outwards along
-/// it, and drops of 0.05 ml that swell at its end and fall. None where nothing flows. The same numbers give the same
-/// drops.
-std::vector<Marker> csf_drops(const Tube& tube, double drained_ml, double ml_per_s);
+/// A fluid as it comes out of a tube through which so much has come, and so much comes now: beads that move outwards
+/// along it, and drops of 0.05 ml that swell at its end and fall. None where nothing flows. The same numbers give the
+/// same drops.
+std::vector<Marker> drops_of(const Tube& tube, double drained_ml, double ml_per_s,
+                             const std::array<float, 3>& colour_rgb);
 
 }  // namespace trephine::scene

@@ -30,8 +30,9 @@ CaseView::CaseView(std::shared_ptr<session::Patient> patient, const scene::ViewP
 }
 
 void CaseView::show_target(std::shared_ptr<const session::MovingTarget> target) {
+  const bool first = !target_;
   target_ = std::move(target);
-  if (target_ && stage_.view().view == scene::ViewPreset::surgeon) set_view("surgeon");
+  if (first && target_ && stage_.view().view == scene::ViewPreset::surgeon) set_view("surgeon");
 }
 
 texts::Answer CaseView::set_view(const std::string& preset) {

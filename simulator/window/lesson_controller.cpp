@@ -73,6 +73,7 @@ LessonController::LessonController(const LessonPlay& play, const session::Patien
 }
 
 LessonController::~LessonController() {
+  questions_->wait();  // for what looks at this lesson
   if (judging_.valid()) judging_.wait();
 }
 
@@ -129,7 +130,7 @@ texts::Answer LessonController::give(const std::string& name) {
           n != haptics::belt_command::finish)
         return texts::NoteId::lesson_is_paused;
       if (n == haptics::belt_command::finish) {
-        if (questions_->waits_for_errors()) questions_->found(happened(facts()));  // also of the last second
+        if (questions_->asks_after_errors()) questions_->found(happened(facts()));  // also of the last second
         if (questions_->comes_before_end(facts())) return texts::NoteId::questions_first;
       }
       if (n == haptics::belt_command::incise && !belt_->has_mark()) return texts::NoteId::marker_untouched;
@@ -166,6 +167,7 @@ texts::Answer LessonController::back() {
 
 void LessonController::watch(const std::vector<haptics::ServoFrame>& frames, const haptics::Drilling* drilling) {
   belt_->watch(drilling);
+  if (!frames.empty()) inside_ = frames.back().inside;
   for (const haptics::ServoFrame& f : frames) {
     belt_->follow(haptics::input_of(f, rate_hz_), haptics::state_of(f));
     lesson_->watch(f, *belt_);
@@ -190,6 +192,7 @@ Happened LessonController::happened(const lessons::LessonFacts& facts) const {
   Happened happened;
   for (const lessons::CriticalError& e : score.critical) happened.errors.insert(e.rule.error);
   happened.flows = lessons::flows_of(score);
+  happened.answers_count = facts.answers.size();
   return happened;
 }
 
@@ -202,10 +205,11 @@ lessons::LessonField LessonController::field(Vec3 middle_mm) const {
                        : lessons::LessonField{middle_mm, 0, 220, {0, 1, 0}, {}};
 }
 
-lesson::Fluid LessonController::fluid() const {
+LessonController::ToolFlow LessonController::tool_flow() const {
   for (const lessons::Flow& flow : flows())
-    if (!flow.wound && flow.runs(facts().end_s)) return flow.fluid;
-  return module_.fluid ? module_.fluid(facts(), manifest_) : lesson::Fluid::none;
+    if (flow.seen.shape != 0 && flow.seen.shape == inside_ && flow.runs(facts().end_s))
+      return {flow.fluid, flow.ml_per_min / 60};
+  return {module_.fluid ? module_.fluid(facts(), manifest_) : lesson::Fluid::none, {}};
 }
 
 int LessonController::verdict() const {

@@ -81,7 +81,11 @@ class LessonController {
   /// As lamp, drapes and what comes out of the tool show it, the lesson's own fluid or a critical error's; `middle_mm`:
   /// of what is shown.
   lessons::LessonField field(Vec3 middle_mm) const;
-  lesson::Fluid fluid() const;
+  struct ToolFlow {
+    lesson::Fluid fluid = lesson::Fluid::none;
+    std::optional<double> ml_per_s;  ///< none: as its pressure drives it
+  };
+  ToolFlow tool_flow() const;
   /// What critical errors led to.
   std::vector<lessons::Flow> flows() const {
     return judged_ ? lessons::flows_of(judged_->scored.score) : questions_->flows();
@@ -129,7 +133,7 @@ class LessonController {
   std::unique_ptr<LessonQuestions> questions_;
   std::deque<int> commands_;  // given, and not seen by the servo yet
   bool pedal_ = false, resting_ = true;
-  int tool_ = 0;
+  int tool_ = 0, inside_ = 0;  // inside_: the shape in which the tip was last
   std::size_t ink_points_ = 0;
   std::future<JudgedLesson> judging_;
   std::optional<JudgedLesson> judged_;

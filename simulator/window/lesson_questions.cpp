@@ -13,7 +13,9 @@ LessonQuestions::LessonQuestions(std::vector<haptics::AskedQuestion> asked, cons
   for (const haptics::AskedQuestion& a : asked_) texts_.push_back(lessons::text_of(rubric, a));
 }
 
-LessonQuestions::~LessonQuestions() {
+LessonQuestions::~LessonQuestions() { wait(); }
+
+void LessonQuestions::wait() const {
   if (looking_.valid()) looking_.wait();
 }
 
@@ -47,20 +49,24 @@ int LessonQuestions::answer(const lessons::LessonFacts& facts, const std::string
   const auto at = std::find(all.begin(), all.end(), choice);
   if (at == all.end()) return haptics::belt_command::none;
   answered_[std::size_t(n)] = true;
-  answered_since_ = !flows_.empty();
+  ++answers_given_;
   return haptics::belt_command::answer(n, int(at - all.begin()));
 }
 
 void LessonQuestions::found(Happened happened) {
   errors_.merge(happened.errors);
   flows_ = std::move(happened.flows);
-  answered_since_ = false;
+  answers_seen_ = happened.answers_count;
 }
 
 bool LessonQuestions::waits_for_errors() const {
-  if (answered_since_) return true;
+  if (!flows_.empty() && answers_seen_ < answers_given_) return true;
   for (const lesson::CriticalRule& rule : rubric_.critical_errors)
     if (rule.leads_to && !errors_.count(rule.error)) return true;
+  return asks_after_errors();
+}
+
+bool LessonQuestions::asks_after_errors() const {
   for (std::size_t n = 0; n < asked_.size(); ++n)
     if (when(n) != Question::before && when(n) != Question::after && !errors_.count(when(n))) return true;
   return false;

@@ -16,6 +16,7 @@ namespace trephine::window {
 struct Happened {
   std::set<std::string> errors;
   std::vector<lessons::Flow> flows;
+  std::size_t answers_count = 0;  ///< that were known when it was looked
 };
 
 /// What a lesson in the window asks: before the first cut the time-out, once a critical error happened its consequence,
@@ -34,9 +35,12 @@ class LessonQuestions {
   std::vector<std::string> choices(const lessons::LessonFacts& facts) const;
   /// As somebody found out who asked.
   void found(Happened happened);
-  /// Whether a question, or something that is seen, follows a critical error that is not known to have happened; or
-  /// an answer may have ended what is seen.
+  /// Whether a question follows a critical error that is not known to have happened.
+  bool asks_after_errors() const;
+  /// The same also of what is seen; or an answer may have ended that.
   bool waits_for_errors() const;
+  /// Until nobody looks any more.
+  void wait() const;
   /// What flows, as far as was looked.
   const std::vector<lessons::Flow>& flows() const { return flows_; }
   /// The end is asked for; true where questions come before it, and it is asked for the first time.
@@ -59,7 +63,7 @@ class LessonQuestions {
   bool ending_ = false;
   std::set<std::string> errors_;  // that happened, as far as was looked
   std::vector<lessons::Flow> flows_;
-  bool answered_since_ = false;  // the last look that found something
+  std::size_t answers_given_ = 0, answers_seen_ = 0;  // seen: by the last look
   std::future<Happened> looking_;
   double next_look_s_ = 0;
   std::chrono::steady_clock::time_point asked_at_;

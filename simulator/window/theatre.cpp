@@ -34,7 +34,7 @@ std::optional<std::array<float, 3>> inside_rgb(lesson::Fluid fluid, double time_
 }  // namespace
 
 Theatre::ToolLook Theatre::look() const {
-  return {lesson_.tool().name, lesson_.verdict(), inside_rgb(lesson_.fluid(), lesson_.facts().end_s)};
+  return {lesson_.tool().name, lesson_.verdict(), inside_rgb(lesson_.tool_flow().fluid, lesson_.facts().end_s)};
 }
 
 void Theatre::show(CaseView& view) {
@@ -47,7 +47,10 @@ void Theatre::follow(const std::vector<haptics::ServoFrame>& frames, CaseView& v
   const std::string tool = shown_.tool;
   if (!(look() == shown_)) show_tool(view);
   if (tool != shown_.tool) show_room(view);
-  if (lesson_.fluid() == lesson::Fluid::csf) {
+  const LessonController::ToolFlow flow = lesson_.tool_flow();
+  if (flow.ml_per_s)
+    for (const haptics::ServoFrame& f : frames) run_ml_ += *flow.ml_per_s * f.dt_s;
+  else if (flow.fluid == lesson::Fluid::csf) {
     const double tail_mm = scene::tail_mm(haptics::own_tool(lesson_.tool()));
     const Vec3 down = lesson_.field(view.middle_mm()).down;
     for (const haptics::ServoFrame& f : frames) drain_.step(-tail_mm * dot(normalized(vec(f.axis)), down), f.dt_s);
@@ -58,9 +61,9 @@ void Theatre::follow(const std::vector<haptics::ServoFrame>& frames, CaseView& v
 std::vector<scene::Bleeding> Theatre::bleedings() const {
   std::vector<scene::Bleeding> all;
   for (const lessons::Flow& flow : lesson_.flows())
-    if (flow.wound && flow.fluid != lesson::Fluid::air && flow.fluid != lesson::Fluid::csf)
-      all.push_back({flow.wound->source_mm, flow.wound->mouth_mm, flow.wound->width_mm, flow.ml_per_min, flow.begin_s,
-                     flow.end_s});
+    if (const auto& wound = flow.seen.wound;
+        wound && flow.fluid != lesson::Fluid::air && flow.fluid != lesson::Fluid::csf)
+      all.push_back({wound->source_mm, wound->mouth_mm, wound->width_mm, flow.ml_per_min, flow.begin_s, flow.end_s});
   return all;
 }
 
@@ -94,12 +97,18 @@ void Theatre::show_field(CaseView& view) {
   state.drops.clear();
   const haptics::ToolParams tool = haptics::own_tool(lesson_.tool());
   using Look = haptics::ToolKind::Look;
-  const Look look = haptics::tool_kind(tool.tool).look;  // what drips from its end; a syringe is filled
-  if (lesson_.fluid() != lesson::Fluid::csf || (look != Look::tube && look != Look::cross_handle)) return;
+  const Look look = haptics::tool_kind(tool.tool).look;
+  const LessonController::ToolFlow flow = lesson_.tool_flow();
+  // What is hollow and open drips; a syringe is filled.
+  if ((look != Look::tube && look != Look::cross_handle) || flow.fluid == lesson::Fluid::air) return;
+  const auto rgb = inside_rgb(flow.fluid, 0);
+  if (!rgb) return;
   const haptics::ServoFrame& f = view.frame();
   const scene::Tube tube{vec(f.proxy_mm), normalized(vec(f.axis)), field.down, 0.5 * tool.tool_diameter_mm,
                          scene::tail_mm(tool)};
-  state.drops = scene::csf_drops(tube, drain_.drained_ml(), drain_.ml_per_s(-tube.to_mm * dot(tube.axis, tube.down)));
+  state.drops = flow.ml_per_s ? scene::drops_of(tube, run_ml_, *flow.ml_per_s, *rgb)
+                              : scene::drops_of(tube, drain_.drained_ml(),
+                                                drain_.ml_per_s(-tube.to_mm * dot(tube.axis, tube.down)), *rgb);
 }
 
 }  // namespace trephine::window

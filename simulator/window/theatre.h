@@ -42,6 +42,7 @@ class Theatre {
   const LessonController& lesson_;
   ToolLook shown_;
   scene::CsfDrain drain_;
+  double run_ml_ = 0;  // what came out of the tool since an error
 };
 
 }  // namespace trephine::window

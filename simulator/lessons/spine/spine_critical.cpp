@@ -87,9 +87,9 @@ void note_spine_errors(const SpineNeedleFacts& facts, const cases::CaseManifest&
         for (const cases::CaseShape& shape : manifest.haptic.shapes) {
           if (shape.number != n.inside) continue;
           if (shape.name == "canal")
-            errors.happened("canal", {"{} entered the spinal canal", {tool_of(pass)}}, n.time_s);
+            errors.happened("canal", {"{} entered the spinal canal", {tool_of(pass)}}, n.time_s, {{}, n.inside});
           if (is_great_vessel(shape.name))
-            errors.happened("great_vessel", {"{} entered a great vessel", {tool_of(pass)}}, n.time_s);
+            errors.happened("great_vessel", {"{} entered a great vessel", {tool_of(pass)}}, n.time_s, {{}, n.inside});
         }
   for (const NeedlePass& pass : facts.passes) {
     const NeedlePoint& end = pass.deepest();

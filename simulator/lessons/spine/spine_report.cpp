@@ -68,6 +68,7 @@ std::string shots_html(const SpineNeedleFacts& facts, const cases::LoadedCase& l
                     "</h2>\n";
   if (!loaded.has_ct()) return out + "<p class=\"faint\">" + no_ct_words.of(language) + "</p>\n";
   fluoro::Fluoroscope fluoroscope(loaded.ct);
+  const bool flipped = spine_field(facts, loaded.manifest).from.y > 0;  // as the surgeon stands, as in the window
   const std::size_t first = facts.shots.size() > most ? facts.shots.size() - most : 0;
   for (std::size_t n = first; n < facts.shots.size(); ++n) {
     const FluoroShot& s = facts.shots[n];
@@ -78,7 +79,8 @@ std::string shots_html(const SpineNeedleFacts& facts, const cases::LoadedCase& l
         "<figure><svg viewBox=\"0 0 160 160\"><image width=\"160\" height=\"160\" href=\"data:image/png;base64,{}\"/>"
         "<text x=\"4\" y=\"11\">{}</text><text x=\"150\" y=\"11\">{}</text></svg><figcaption>{}{}</figcaption>"
         "</figure>\n",
-        base64(png_of(size, size, 1, picture.grey)), letters[0], letters[1],
+        base64(png_of(size, size, 1, fluoro::shown_grey(picture, fluoro::MetalShown::bright, flipped))),
+        letters[flipped], letters[!flipped],
         fmt::format(fmt::runtime(shot_words.of(language)), s.arm.view(), s.begin_s, s.end_s - s.begin_s),
         std::string(s.arm.view()) == "free"
             ? fmt::format(fmt::runtime(free_words.of(language)), s.arm.orbit_deg, s.arm.tilt_deg)

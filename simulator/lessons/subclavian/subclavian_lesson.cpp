@@ -103,21 +103,19 @@ LessonField field_of(const SubclavianFacts& f) {
   return {middle, open, open + 2 * beyond_mm, {0, 1, 0}, {0, -1, 0}};
 }
 
-// What the syringe holds: of the vein as long as the tip is in it.
-lesson::Fluid drawn_of(const SubclavianFacts& f) {
-  if (f.blood_s >= 0) return lesson::Fluid::venous_blood;
-  const lesson::Fluid last = f.aspirations.empty() ? lesson::Fluid::none : f.aspirations.back().drawn;
-  return last == lesson::Fluid::venous_blood ? lesson::Fluid::none : last;
+// Blood of the vein is shown as long as the tip is in it.
+lesson::Fluid syringe_of(const SubclavianFacts& f) {
+  return f.syringe == lesson::Fluid::venous_blood && f.blood_s < 0 ? lesson::Fluid::none : f.syringe;
 }
 
 std::vector<LessonStatus> status_of(const SubclavianFacts& f) {
-  const lesson::Fluid drawn = drawn_of(f);
+  const lesson::Fluid holds = syringe_of(f);
   return {{"passes_count", "Passes", std::to_string(f.passes.size())},
           {"aspirations_count", "Aspirations", std::to_string(f.aspirations.size())},
           {"syringe", "Syringe",
-           drawn == lesson::Fluid::venous_blood     ? "blood"
-           : drawn == lesson::Fluid::arterial_blood ? "bright blood"
-           : drawn == lesson::Fluid::air            ? "air"
+           holds == lesson::Fluid::venous_blood     ? "blood"
+           : holds == lesson::Fluid::arterial_blood ? "bright blood"
+           : holds == lesson::Fluid::air            ? "air"
            : f.aspirations.empty()                  ? "-"
                                                     : "none"}};
 }
@@ -174,7 +172,7 @@ LessonType subclavian_lesson() {
   };
   m.status = [](const LessonFacts& facts) { return status_of(own(facts)); };
   m.field = [](const LessonFacts& facts, const cases::CaseManifest&) { return field_of(own(facts)); };
-  m.fluid = [](const LessonFacts& facts, const cases::CaseManifest&) { return drawn_of(own(facts)); };
+  m.fluid = [](const LessonFacts& facts, const cases::CaseManifest&) { return syringe_of(own(facts)); };
   m.verdict = [](const LessonFacts& facts, const AnyParams& rubric) {
     const NeedleColour c = needle_colour(own(facts), rubric.as<SubclavianRubric>());
     return c == NeedleColour::none ? 0 : c == NeedleColour::green ? 1 : -1;

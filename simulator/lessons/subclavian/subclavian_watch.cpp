@@ -64,20 +64,16 @@ void Subclavian::tick(const haptics::ServoFrame& f, const haptics::ToolBelt& bel
   for (const auto& [shape, time_s] : first)
     if (shape != 0 && f.inside == shape && *time_s < 0) *time_s = f.time_s;
   if (f.inside != shapes_.vein) facts_.blood_s = -1;
+  if (f.inside != 0 && f.inside == shapes_.artery) facts_.syringe = lesson::Fluid::arterial_blood;
+  if (f.inside != 0 && (f.inside == shapes_.pleura || f.inside == shapes_.lung)) facts_.syringe = lesson::Fluid::air;
   // Between two shapes it is in nothing, and still in the patient.
   if (f.inside == 0 && dot(tip - p.entry_mm, p.out) > -withdrawn_mm) end_pass(f.time_s, false);
 }
 
 void Subclavian::command(int command, const haptics::ServoFrame& f, const haptics::ToolBelt&) {
   if (command != haptics::belt_command::aspirate) return;
-  using lesson::Fluid;
-  const int at = f.inside;
-  const Fluid drawn = at == 0                                        ? Fluid::none
-                      : at == shapes_.vein                           ? Fluid::venous_blood
-                      : at == shapes_.artery                         ? Fluid::arterial_blood
-                      : (at == shapes_.pleura || at == shapes_.lung) ? Fluid::air
-                                                                     : Fluid::none;
-  facts_.aspirations.push_back({f.time_s, vec(f.proxy_mm), at, drawn});
+  facts_.aspirations.push_back({f.time_s, vec(f.proxy_mm), f.inside});
+  if (f.inside == shapes_.vein) facts_.syringe = lesson::Fluid::venous_blood;
   if (f.inside == shapes_.vein) facts_.blood_s = f.time_s;
 }
 

@@ -32,7 +32,6 @@ struct Aspiration {
   double time_s = 0;
   Vec3 tip_mm;
   int inside = 0;  ///< the shape in which the tip was
-  lesson::Fluid drawn = lesson::Fluid::none;
 };
 
 /// All that happened in a lesson and may be scored. A time of -1: never.
@@ -40,7 +39,9 @@ struct SubclavianFacts : LessonFacts {
   std::vector<VeinPass> passes;
   std::vector<Aspiration> aspirations;
   double vein_s = -1, artery_s = -1, pleura_s = -1, lung_s = -1;  ///< when the tip was there first
-  double blood_s = -1;            ///< when blood of the vein was drawn last, with the tip still in it
+  double blood_s = -1;  ///< when blood of the vein was drawn last, with the tip still in it
+  /// What is in the syringe: an artery's blood and a lung's air come by themselves, a vein's blood is drawn.
+  lesson::Fluid syringe = lesson::Fluid::none;
   int inside = 0;                 ///< where the tip is
   Vec3 notch_mm, clavicle_mm[2];  ///< of the patient, between and about which drapes leave the skin open
 };

@@ -301,9 +301,10 @@ texts::Phrase unreached_goal(const Scoring& s) {
 void note_critical(const Scoring& s, LessonScore& score) {
   CriticalErrors errors(s.rubric.critical_errors, score);
   const VentriculostomyFacts& f = s.facts;
-  const auto through = [&](Vec3 source) -> std::optional<Wound> {
-    if (!f.hole) return {};
-    return Wound{source, f.hole->outer_mm, std::max(2.5, f.burr_mm)};
+  const auto through = [&](Vec3 source) {
+    SeenAt seen;
+    if (f.hole) seen.wound = Wound{source, f.hole->outer_mm, std::max(2.5, f.burr_mm)};
+    return seen;
   };
   if (f.dura && f.dura->breach)
     errors.happened("dura_by_burr", "the burr breached the dura", f.dura->breach->time_s,
