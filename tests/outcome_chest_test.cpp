@@ -38,8 +38,19 @@ phantom::ScanParams scanner() {
   return s;
 }
 
+// The CT of a case, in its frame.
+grid::Grid<std::int16_t> case_ct(ChestLine::Sides lines) {
+  phantom::ScanParams s = scanner();
+  s.head_turn_deg = s.head_shift_mm = {0, 0, 0};
+  return phantom::volume_of(phantom::scan(chest_with(lines), s, 7));
+}
+
 const cases::LoadedCase& the_case() {
-  static const cases::LoadedCase made = case_of(phantom::Chest(chest_with(ChestLine::Sides::none)));
+  static const cases::LoadedCase made = [] {
+    cases::LoadedCase one = case_of(phantom::Chest(chest_with(ChestLine::Sides::none)));
+    one.ct = case_ct(ChestLine::Sides::none);
+    return one;
+  }();
   return made;
 }
 
@@ -125,17 +136,13 @@ TEST(OutcomeChest, ARaisedShoulderIsADoubt) {
 }
 
 TEST(OutcomeChest, WhatWasThereBeforeIsNotFound) {
-  const grid::HuVolume before = phantom::volume_of(phantom::scan(
-      chest_with(ChestLine::Sides::both),
-      [] {
-        phantom::ScanParams s = scanner();
-        s.head_turn_deg = s.head_shift_mm = {0, 0, 0};
-        return s;
-      }(),
-      7));
   cases::LoadedCase with = the_case();
-  with.ct = std::get<grid::Grid<std::int16_t>>(before);
+  with.ct = case_ct(ChestLine::Sides::both);
   EXPECT_TRUE(measure_outcome(with, usual_scan(), {}).lines.empty());
+  with.ct = {};  // a case without its CT does not show it
+  const OutcomeRecord unknown = measure_outcome(with, usual_scan(), {});
+  ASSERT_EQ(unknown.lines.size(), 2u);
+  EXPECT_TRUE(has(unknown.lines[0].doubts, "no_ct"));
 }
 
 TEST(OutcomeChest, AnotherPatientIsRefusedOrDoubtful) {

@@ -176,8 +176,8 @@ struct OutcomeLine {
              "Whether it is surely a line, and surely there.");
     v.words(
         &P::doubts, "doubts",
-        "Why it is doubtful: registration, clavicle, two_lines, not_to_the_skin, metal, scan_ends, before_air, short, "
-        "faint.");
+        "Why it is doubtful: registration, clavicle, two_lines, not_to_the_skin, metal, scan_ends, before_air, no_ct, "
+        "short, faint.");
     v.numbers(&P::tip_mm, "tip_mm", Range{-1e5, 1e5}, "Its end in the patient.");
     v.numbers(&P::skin_mm, "skin_mm", Range{-1e5, 1e5},
               "Where it passes the case's skin; where it does not, the end of what was seen.");

@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
+
 namespace trephine::outcome {
 namespace {
 
 constexpr double points_mm = 4, clavicle_points_mm = 2.5;
+constexpr double least_apart_mm = 10;  // over the sternum; a sternum is some 40 mm wide
 
 }  // namespace
 
@@ -25,6 +28,13 @@ CaseChest::CaseChest(const cases::LoadedCase& of) : loaded(of), decoder(of.hapti
   double middle = 0;
   for (const BonePoint& p : both) middle += p.at_mm.x / double(both.size());
   for (const BonePoint& p : both) clavicles[p.at_mm.x > middle].push_back(p);
+  double last_mm = -1e9, first_mm = 1e9;  // of the two, along the patient's left
+  for (const BonePoint& p : clavicles[0]) last_mm = std::max(last_mm, p.at_mm.x);
+  for (const BonePoint& p : clavicles[1]) first_mm = std::min(first_mm, p.at_mm.x);
+  if (!(first_mm - last_mm > least_apart_mm))
+    throw Error(
+        ExitCode::bad_input, "", "haptic.shapes.clavicle",
+        "the case shows one clavicle, and sides are told by two; make it of a series that holds both shoulders");
   for (const int side : {0, 1})
     for (const BonePoint& p : clavicles[std::size_t(side)])
       clavicle_mm[std::size_t(side)] += p.at_mm * (1.0 / double(clavicles[std::size_t(side)].size()));

@@ -44,8 +44,9 @@ CaseHead::CaseHead(const cases::LoadedCase& of, const Progress& progress) : load
   const int brain = number_of(of, "brain"), ventricles = number_of(of, "ventricles"), dura = number_of(of, "dura");
   if (!of.has_haptic() || bone == 0 || brain == 0)
     throw Error(ExitCode::bad_input, "", "haptic.shapes",
-                "the case has no `skull` and `brain` to be felt, by which a procedure on a head is measured; make it "
-                "with the scene of a ventriculostomy (configs/ct_head.yaml)");
+                "the case has no `skull` and `brain` to be felt, by which a procedure on a head is measured, and is no "
+                "spine or chest; make it by configs/ct_head.yaml, ct_spine.yaml or ct_chest.yaml (marks are of a "
+                "head's print)");
   const grid::Lattice& l = of.haptic.voxels;
   const auto of_shapes = [&](bool wanted_bone) {
     return mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {

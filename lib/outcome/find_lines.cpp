@@ -108,7 +108,7 @@ double most_about(const ScanView& scan, Vec3 at) {
 std::optional<lesson::OutcomeLine> line_of(const CaseChest& chest, const ScanView& scan, const itk::LinearMap& back,
                                            std::vector<Step> steps, const TraceParams& params) {
   if (steps.size() < 20) return {};
-  // The tip lies in the patient; where both ends do, it is the one that lies farther from the skin's.
+  // The tip lies in the patient; where both ends do, it is the one that lies in the vein.
   const auto out_of_patient = [&](const Step& s) { return !chest.is_patient(back(s.at_mm)); };
   const auto ends_outside = [&](const Step& end, const Step& before) {
     return !chest.is_patient(back(end.at_mm + normalized(end.at_mm - before.at_mm) * fades_mm));
@@ -189,6 +189,7 @@ std::optional<lesson::OutcomeLine> line_of(const CaseChest& chest, const ScanVie
   doubt(!to_skin, "not_to_the_skin");
   doubt(to_skin && most_about(scan, inside.front().at_mm) > metal_on_skin_hu, "metal");
   doubt(ends, "scan_ends");
+  doubt(!chest.loaded.has_ct(), "no_ct");  // it may have been there before
   const bool just_in_lung = line.in_lung_mm > 0 && line.in_lung_mm < deep_in_lung_mm &&
                             (chest.holds(chest.lung, line.tip_mm) || chest.holds(chest.pleura, line.tip_mm));
   doubt(before_air || just_in_lung, "before_air");
