@@ -23,6 +23,9 @@ std::string CaseFace::fault() const {
 }
 
 std::string MaterialParams::fault() const {
+  if ((rest_ratio < 1) != (relaxation_s > 0))
+    return std::string(relaxation_s > 0 ? "rest_ratio: is 1" : "relaxation_s: is 0") +
+           ", so that nothing relaxes; give rest_ratio below 1 and relaxation_s above 0, or neither";
   const bool needs = front.across_grain_ratio != 1 || back.across_grain_ratio != 1;
   const double length = norm(grain_direction);
   if (!needs || length >= min_direction) return "";

@@ -58,7 +58,12 @@ void FeltCase::feel_beside() {
 
 touch::Beside FeltCase::beside(const haptics::ShaftParams& shaft) const {
   touch::Beside all{meshes.get(), ramps.get()};
-  if (shaft.line_lock_in.empty()) return all;
+  if (shaft.line_lock_in.empty()) {
+    if (shaft.shaft_rigidity_n_mm2 > 0)
+      throw Error(ExitCode::usage, "", "--shaft-rigidity-n-mm2",
+                  "a shaft bends where --line-lock-in holds it on a line, and that is not given");
+    return all;
+  }
   for (const std::string& name : split_at(shaft.line_lock_in, ',')) {
     const std::uint64_t before = all.line_lock;
     std::string names;
