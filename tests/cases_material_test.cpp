@@ -59,6 +59,9 @@ TEST(Material, FaultsNameFaceAndValue) {
               m.grain_direction = {0, nan, 0};
             }).rfind("grain_direction: ", 0),
             0u);
+  EXPECT_EQ(fault([](cases::MaterialParams& m) { m.rest_ratio = 0.5; }).rfind("relaxation_s: is 0", 0), 0u);
+  EXPECT_EQ(fault([](cases::MaterialParams& m) { m.relaxation_s = 0.5; }).rfind("rest_ratio: is 1", 0), 0u);
+  EXPECT_EQ(fault([](cases::MaterialParams& m) { m.rest_ratio = m.relaxation_s = 0.5; }), "");
   EXPECT_EQ(fault([](cases::MaterialParams& m) {
               m.back = {};
               m.back.touchable = false;

@@ -168,6 +168,7 @@ echo '0 0' >>"$work/rake.txt"
 expect 65 'rake\.txt: line 6: must be three numbers' "${servo[@]}" --tool points --tool-points "$work/rake.txt"
 rm "$work/rake.txt"
 expect 66 'rake\.txt' "${servo[@]}" --tool points --tool-points "$work/rake.txt"
+expect 64 '[-]-shaft-rigidity-n-mm2: a shaft bends where --line-lock-in' "${servo[@]}" --tool needle --shaft-rigidity-n-mm2 2300
 expect 64 '[-]-tool-points: is missing' "${servo[@]}" --tool points
 expect 64 '[-]-tool-points: is for --tool points' "${servo[@]}" --tool needle --tool-points "$work/a.servo"
 
