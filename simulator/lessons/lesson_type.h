@@ -66,6 +66,7 @@ struct LessonField {
   /// From where its surgeon first sees the patient (unit, from the patient to the eye); 0: upright over the field.
   Vec3 from;
 };
+
 /// A C-arm, as a window shows it.
 struct LessonXray {
   /// Where it stands: "lateral", "free", and by how many degrees it is turned and tilted.

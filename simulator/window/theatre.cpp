@@ -51,9 +51,8 @@ void Theatre::follow(const std::vector<haptics::ServoFrame>& frames, CaseView& v
   if (flow.ml_per_s)
     for (const haptics::ServoFrame& f : frames) run_ml_ += *flow.ml_per_s * f.dt_s;
   else if (flow.fluid == lesson::Fluid::csf) {
-    const double tail_mm = scene::tail_mm(haptics::own_tool(lesson_.tool()));
     const Vec3 down = lesson_.field(view.middle_mm()).down;
-    for (const haptics::ServoFrame& f : frames) drain_.step(-tail_mm * dot(normalized(vec(f.axis)), down), f.dt_s);
+    for (const haptics::ServoFrame& f : frames) drain_.step(-tail_mm_ * dot(normalized(vec(f.axis)), down), f.dt_s);
   }
   show_field(view);
 }
@@ -72,7 +71,9 @@ void Theatre::show_tool(CaseView& view) {
   shown_ = look();
   std::optional<std::array<float, 3>> colour;
   if (shown_.verdict != 0) colour = shown_.verdict > 0 ? green : red;
-  view.stage().set_tool(haptics::own_tool(lesson_.tool()), colour, shown_.inside_rgb);
+  const haptics::ToolParams tool = haptics::own_tool(lesson_.tool());
+  tail_mm_ = scene::tail_mm(tool);
+  view.stage().set_tool(tool, colour, shown_.inside_rgb);
 }
 
 void Theatre::show_room(CaseView& view) const {
@@ -104,8 +105,7 @@ void Theatre::show_field(CaseView& view) {
   const auto rgb = inside_rgb(flow.fluid, 0);
   if (!rgb) return;
   const haptics::ServoFrame& f = view.frame();
-  const scene::Tube tube{vec(f.proxy_mm), normalized(vec(f.axis)), field.down, 0.5 * tool.tool_diameter_mm,
-                         scene::tail_mm(tool)};
+  const scene::Tube tube{vec(f.proxy_mm), normalized(vec(f.axis)), field.down, 0.5 * tool.tool_diameter_mm, tail_mm_};
   state.drops = flow.ml_per_s ? scene::drops_of(tube, run_ml_, *flow.ml_per_s, *rgb)
                               : scene::drops_of(tube, drain_.drained_ml(),
                                                 drain_.ml_per_s(-tube.to_mm * dot(tube.axis, tube.down)), *rgb);

@@ -41,6 +41,7 @@ class Theatre {
 
   const LessonController& lesson_;
   ToolLook shown_;
+  double tail_mm_ = 0;  // of the tool that is shown, from its tip
   scene::CsfDrain drain_;
   double run_ml_ = 0;  // what came out of the tool since an error
 };
