@@ -96,6 +96,15 @@ def pose(r, turn_deg, shift_mm):
     return shift, ["--head-turn-deg", ",".join(map(str, turn)), "--head-shift-mm", ",".join(map(str, shift))]
 
 
+def take_nearest(left, tip_mm):
+    """What was found with its tip nearest to that place, taken out of the list; None where nothing is left."""
+    if not left:
+        return None
+    found = min(left, key=lambda s: off(s["tip_mm"], tip_mm))
+    left.remove(found)
+    return found
+
+
 class Head:
     scanner = ["--level", "hard", "--columns-count", "256", "--rows-count", "256", "--field-of-view-mm", "230", "--mesh-step-mm", "0",
                "--subvoxel-mm", "0.7", "--no-labels", "--quiet"]
@@ -184,10 +193,8 @@ class Spine:
         for t in truth.get("put_in", []):
             row = {"name": t["screw"]}
             rows.append(row)
-            if not left:
+            if not (s := take_nearest(left, t["tip_mm"])):
                 continue
-            s = min(left, key=lambda s: off(s["tip_mm"], t["tip_mm"]))
-            left.remove(s)
             number = int("".join(c for c in s["pedicle"] if c.isdigit()))
             true = self.pedicle_of(case, t)
             maps = [v["transform"] for v in r["vertebrae"] if v["number"] == number]
@@ -228,10 +235,8 @@ class Chest:
         for t in truth.get("put_in", []):
             row = {"name": t["side"]}
             rows.append(row)
-            if not left:
+            if not (s := take_nearest(left, t["tip_mm"])):
                 continue
-            s = min(left, key=lambda s: off(s["tip_mm"], t["tip_mm"]))
-            left.remove(s)
             course = [p["at_mm"] for p in s["course"]]
             row |= {"tip": off(s["tip_mm"], t["tip_mm"]), "sure": s["sighting"] == "found", "doubts": s["doubts"], "stated": s["error_mm"],
                     "axis": degrees([b - a for a, b in zip(s["skin_mm"], s["vein_mm"])], [b - a for a, b in zip(t["skin_mm"], t["vein_mm"])]),
