@@ -38,7 +38,7 @@ CaseChest::CaseChest(const cases::LoadedCase& of) : loaded(of), decoder(of.hapti
   for (const int side : {0, 1})
     for (const BonePoint& p : clavicles[std::size_t(side)])
       clavicle_mm[std::size_t(side)] += p.at_mm * (1.0 / double(clavicles[std::size_t(side)].size()));
-  if (norm(clavicle_mm[1] - clavicle_mm[0]) > 1) left = normalized(clavicle_mm[1] - clavicle_mm[0]);
+  left = normalized(clavicle_mm[1] - clavicle_mm[0]);
   // Shoulders move with the arms.
   const Vec3 between = (clavicle_mm[0] + clavicle_mm[1]) * 0.5;
   const double reach = 0.5 * norm(clavicle_mm[1] - clavicle_mm[0]);
