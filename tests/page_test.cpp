@@ -18,6 +18,7 @@
 #include "page/pack.h"
 #include "page_reading.h"
 #include "scratch_folder.h"
+#include "voxel/decode.h"
 
 namespace trephine {
 namespace {
@@ -94,6 +95,43 @@ TEST(Page, SaysWhatTheCaseSays) {
   EXPECT_EQ(data["provenance"]["parameters"]["outer.decimate.max_deviation_mm"], 0.2);
   EXPECT_EQ(data["felt"]["shapes"][0]["name"], "outer");
   EXPECT_FALSE(data.contains("ct")) << "the case holds no CT";
+}
+
+TEST(Page, HoldsHowMuchOfEachVoxelItsShapesFill) {
+  const cases::LoadedCase c = loaded(case_samples::make_case({{"outer", 40, 7}, {"inner", 20, 4}}, 12));
+  const page::PackedShapes packed = page::pack_shapes(c.haptic);
+  const grid::Lattice& l = packed.numbers.lattice;
+  ASSERT_EQ(l.size, c.haptic.voxels.size);
+  const voxel::HapticDecoder decoder(c.haptic);
+  int parted = 0;
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i)
+        for (int number = 1; number <= 2; ++number) {
+          const std::size_t at = l.index(i, j, k);
+          const int share = static_cast<unsigned char>(packed.shares[at]);
+          const double occupancy = packed.numbers.bytes[at] == number        ? share / 255.0
+                                   : packed.shares[l.count() + at] == number ? 1 - share / 255.0
+                                                                             : 0;
+          ASSERT_NEAR(occupancy, decoder.occupancy(number, i, j, k), 17.0 / 255);
+          parted += occupancy > 0 && occupancy < 1;
+        }
+  EXPECT_GT(parted, 100);
+}
+
+TEST(Page, SeesHuAsTheSceneSays) {
+  case_samples::MemoryCase made = case_samples::minimal_case();
+  cases::LoadedCase c = loaded(made);
+  c.haptic.encoding = voxel::HapticEncoding::hu;
+  c.manifest.haptic.shapes[0].window_low = 227;
+  c.manifest.haptic.shapes[0].window_high = 3000;
+  voxel::TransferFunction ramp;
+  ramp.points = {{100, 0, {1, 0, 0}}, {200, 0.5, {0, 1, 0}}};
+  c.manifest.haptic.shapes[1].transfer = ramp;
+  const auto felt = read_page(page::make_case_page(c, {})).data["felt"];
+  EXPECT_FALSE(felt.contains("shares"));
+  EXPECT_EQ(felt["shapes"][0]["transfer"][0][0], 226);
+  EXPECT_EQ(felt["shapes"][1]["transfer"].dump(), "[[100.0,0.0,1.0,0.0,0.0],[200.0,0.5,0.0,1.0,0.0]]");
 }
 
 TEST(Page, IsTheSameWhateverTheThreads) {

@@ -328,14 +328,16 @@ function listenToPanel(viewer) {
       reslice(viewer)
     })
   listenToTheme(() => redraw(viewer))
-  const casts = viewer.data.transfers || {},
+  const casts = castsOf(viewer.data),
     setCast = () => {
-      viewer.cast = casts[$('cast').value] ? { points: casts[$('cast').value], shift: +$('shift').value } : null
+      const chosen = casts.get($('cast').value)
+      $('shift').disabled = !!chosen && chosen.of === 'felt'
+      viewer.cast = chosen ? { ...chosen, shift: $('shift').disabled ? 0 : +$('shift').value } : null
       redraw(viewer)
     }
-  for (const name of Object.keys(casts)) $('cast').append(make('option', '', name))
+  for (const name of casts.keys()) $('cast').append(make('option', '', name))
   for (const id of ['cast', 'shift']) {
-    $(id).disabled = !page.ct || viewer.painter.kind !== 'webgl2'
+    $(id).disabled = !casts.size || viewer.painter.kind !== 'webgl2'
     listen(id, 'input', setCast)
   }
   listen('fill', 'input', e => {

@@ -153,7 +153,8 @@ async function readVolume(data, v) {
   if (!v) return null
   const voxels = await unpack(v.block, data.blocks[v.block])
   if (v.predicted) unpredict(voxels, v.size)
-  return { size: v.size, spacing: v.spacing_mm, origin: v.origin_mm, voxels }
+  const shares = v.shares && (await unpack(v.shares, data.blocks[v.shares]))
+  return { size: v.size, spacing: v.spacing_mm, origin: v.origin_mm, voxels, shares }
 }
 
 // A burr hole as a tube, which is also cut by the slices.

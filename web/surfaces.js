@@ -154,13 +154,13 @@ function programOf(gl, ...texts) {
   return program
 }
 
-// `volume` and `hu` of its levels, where there is a CT: then draw() takes a `cast` of it, and says whether that is coarse.
-function glPainter(canvas, meshes, volume, hu) {
+// `sources` are made when they are first asked for: draw() takes a `cast` of one of them, and says whether that is coarse.
+function glPainter(canvas, meshes, sources) {
   const gl = canvas.getContext('webgl2', { antialias: true, alpha: false })
   if (!gl) return null
-  let program, at, cast
+  let program, at, casts
   const upload = () => {
-    cast = null
+    casts = {}
     program = programOf(gl, vertexShader, fragmentShader)
     at = {}
     for (const name of ['m', 'c', 'q', 'e', 'h']) at[name] = gl.getUniformLocation(program, name)
@@ -211,9 +211,10 @@ function glPainter(canvas, meshes, volume, hu) {
     gl.clearColor(...how.ground, 1)
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT)
     surfaces(how, all)
-    if (!how.cast || !volume) return false
-    cast = cast || makeCast(gl, volume, hu)
-    const opaque = all.filter(m => m.opacity >= 0.99)
+    if (!how.cast) return false
+    const { of } = how.cast,
+      cast = (casts[of] = casts[of] || makeCast(gl, sources[of]())),
+      opaque = all.filter(m => m.opacity >= 0.99)
     return cast.draw(how, canvas, () => surfaces(how, opaque))
   }
   upload()

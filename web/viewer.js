@@ -230,12 +230,13 @@ function fillFelt(viewer, opacity) {
 }
 
 function openView(viewer) {
-  const { meshes, page, hu } = viewer
+  const { meshes, page, hu, data } = viewer
   const view = $('view'),
     solid = $('solid'),
     over = $('over'),
     root = document.documentElement
-  const wanted = location.hash === '#processor' ? null : glPainter(solid, meshes, page.ct, hu),
+  const sources = { ct: () => huSource(page.ct, hu), felt: () => shapeSource(page.felt, data.felt.shapes) },
+    wanted = location.hash === '#processor' ? null : glPainter(solid, meshes, sources),
     painter = wanted || softPainter(solid, meshes)
   Object.assign(viewer, { view, solid, over, root, painter })
   if (!wanted) $('mode').textContent = (location.hash === '#processor' ? '' : 'no WebGL2 here: ') + 'drawn by the processor'

@@ -22,6 +22,20 @@ constexpr double page_overhead_bytes = 100e3;  // script, style and the JSON of 
 
 Json to_list(Vec3 v) { return Json::array({v.x, v.y, v.z}); }
 
+Json to_list(const std::vector<voxel::TransferPoint>& points) {
+  Json out = Json::array();
+  for (const voxel::TransferPoint& p : points)
+    out.push_back({p.hu, p.opacity, p.colour_rgb[0], p.colour_rgb[1], p.colour_rgb[2]});
+  return out;
+}
+
+// How a shape of encoding `hu` is seen (voxel/transfer.h).
+Json seen_by(const cases::CaseShape& shape) {
+  return to_list(shape.transfer
+                     ? voxel::resolved(*shape.transfer).points
+                     : voxel::window_function(shape.window_low, shape.window_high, shape.material.colour_rgb).points);
+}
+
 Json to_json(const cases::CaseValues& values) {
   Json out = Json::object();
   for (const auto& [name, value] : values) out[name] = std::visit([](const auto& v) { return Json(v); }, value);
@@ -131,15 +145,18 @@ class PageMaker {
     json_["ct"]["of_spacing_mm"] = to_list(volume.spacing_mm);
     json_["ct"]["levels"] = page_hu_levels;
     for (const std::string& name : voxel::preset_names())
-      for (const voxel::TransferPoint& p : voxel::preset_points(name))
-        json_["transfers"][name].push_back({p.hu, p.opacity, p.colour_rgb[0], p.colour_rgb[1], p.colour_rgb[2]});
+      json_["transfers"][name] = to_list(voxel::preset_points(name));
   }
 
   void add_volumes() {
     progress_.check();
     if (case_.has_haptic()) {
-      const PackedVolume felt = pack_shapes(case_.haptic, progress_);
-      add_volume(page_block("felt", felt.bytes), felt.lattice);
+      const PackedShapes felt = pack_shapes(case_.haptic, progress_);
+      add_volume(page_block("felt", felt.numbers.bytes), felt.numbers.lattice);
+      if (!felt.shares.empty()) {
+        blocks_.push_back(page_block("felt_shares", felt.shares));
+        json_["felt"]["shares"] = "felt_shares";
+      }
     }
     const bool felt_hu = case_.has_haptic() && case_.haptic.encoding == voxel::HapticEncoding::hu;
     if (case_.has_ct()) {
@@ -150,12 +167,15 @@ class PageMaker {
       json_["ct"]["from"] = "haptic";
     }
     if (!case_.has_haptic()) return;
-    for (const cases::CaseShape& s : manifest_.haptic.shapes)
-      json_["felt"]["shapes"].push_back({{"name", s.name},
-                                         {"number", s.number},
-                                         {"colour_rgb", s.material.colour_rgb},
-                                         {"material", s.material.name},
-                                         {"volume_ml", s.volume_ml}});
+    for (const cases::CaseShape& s : manifest_.haptic.shapes) {
+      Json shape = {{"name", s.name},
+                    {"number", s.number},
+                    {"colour_rgb", s.material.colour_rgb},
+                    {"material", s.material.name},
+                    {"volume_ml", s.volume_ml}};
+      if (felt_hu) shape["transfer"] = seen_by(s);
+      json_["felt"]["shapes"].push_back(std::move(shape));
+    }
   }
 
   void add_marks() {

@@ -48,8 +48,13 @@ PackedVolume pack_ct(const grid::Grid<std::int16_t>& volume, int side = page_vol
 /// Each voxel's byte less what its neighbours in the slice predict, modulo 256: the median of left, above, and left +
 /// above - above left [Weinberger2000], with 0 beyond the border. gzip makes a CT's slices a fifth to a third smaller.
 std::string predicted_bytes(const PackedVolume& volume);
-/// The number of the shape that fills most of each voxel (0: none), taken at the voxel's centre.
-PackedVolume pack_shapes(const voxel::HapticVolume& volume, const Progress& progress = {});
+struct PackedShapes {
+  PackedVolume numbers;  ///< of the shape that a voxel names (0: none), taken at the voxel's centre
+  /// Encoding `occupancy`: a byte a voxel, how much of 255 that shape fills, in steps of 17, and then, again for all
+  /// voxels, the number of the shape that fills the rest (voxel/voxel_shapes.h). Encoding `hu`: empty.
+  std::string shares;
+};
+PackedShapes pack_shapes(const voxel::HapticVolume& volume, const Progress& progress = {});
 
 /// The surface of a felt shape for a page: contoured on voxels so large that it has about `triangles`. Thin walls may
 /// open. Empty where the shape fills no voxel of that size.

@@ -8,6 +8,7 @@
 #include "grid/sample.h"
 #include "page/pack.h"
 #include "voxel/decode.h"
+#include "voxel/voxel_shapes.h"
 
 namespace trephine::page {
 namespace {
@@ -74,12 +75,9 @@ std::uint8_t level_of(double hu) {
   return static_cast<std::uint8_t>(levels.back()[0]);
 }
 
-// Calls value(index) for every voxel of `to` with its continuous index in `from`.
+// Calls each(at, index) for every voxel `at` of `to` with its continuous index in `from`.
 template <class F>
-PackedVolume sample(const grid::Lattice& from, const grid::Lattice& to, const Progress& progress, F&& value) {
-  PackedVolume out;
-  out.lattice = to;
-  out.bytes.resize(to.count());
+void each_voxel(const grid::Lattice& from, const grid::Lattice& to, const Progress& progress, F&& each) {
   const Vec3 start = from.to_index(to.origin_mm);
   std::array<Vec3, 3> step;
   for (int axis = 0; axis < 3; ++axis) {
@@ -92,11 +90,9 @@ PackedVolume sample(const grid::Lattice& from, const grid::Lattice& to, const Pr
       progress.check();
       for (int j = 0; j < to.size[1]; ++j)
         for (int i = 0; i < to.size[0]; ++i)
-          out.bytes[to.index(i, j, k)] =
-              static_cast<char>(value(start + step[0] * double(i) + step[1] * double(j) + step[2] * double(k)));
+          each(to.index(i, j, k), start + step[0] * double(i) + step[1] * double(j) + step[2] * double(k));
     }
   });
-  return out;
 }
 
 bool nearest(const grid::Lattice& lattice, Vec3 index, std::array<int, 3>& voxel) {
@@ -155,7 +151,11 @@ PackedVolume pack_ct(const grid::Grid<std::int16_t>& volume, int side, const Pro
   if (to.count() == volume.count() && patient_axis(volume, 0) && patient_axis(volume, 1) && patient_axis(volume, 2))
     return along_axes(volume, to, progress);
   const grid::Border border = grid::value_beyond(page_hu_levels.front()[1], edge_slack);
-  return sample(volume, to, progress, [&](Vec3 index) { return level_of(grid::sampled(volume, index, border)); });
+  PackedVolume out{to, std::string(to.count(), '\0')};
+  each_voxel(volume, to, progress, [&](std::size_t at, Vec3 index) {
+    out.bytes[at] = static_cast<char>(level_of(grid::sampled(volume, index, border)));
+  });
+  return out;
 }
 
 std::string predicted_bytes(const PackedVolume& volume) {
@@ -176,7 +176,7 @@ std::string predicted_bytes(const PackedVolume& volume) {
   return out;
 }
 
-PackedVolume pack_shapes(const voxel::HapticVolume& volume, const Progress& progress) {
+PackedShapes pack_shapes(const voxel::HapticVolume& volume, const Progress& progress) {
   const voxel::HapticDecoder decoder(volume);
   grid::Lattice to = page_lattice(volume.voxels, page_volume_side);
   for (int axis = 0; axis < 3; ++axis)
@@ -185,11 +185,19 @@ PackedVolume pack_shapes(const voxel::HapticVolume& volume, const Progress& prog
       to.size[axis] = page_volume_side;
       to.spacing_mm[axis] = length / (page_volume_side - 1);
     }
-  return sample(volume.voxels, to, progress, [&](Vec3 index) -> std::uint8_t {
+  const bool has_shares = volume.encoding == voxel::HapticEncoding::occupancy;
+  PackedShapes out{{to, std::string(to.count(), '\0')}, std::string(has_shares ? 2 * to.count() : 0, '\0')};
+  each_voxel(volume.voxels, to, progress, [&](std::size_t at, Vec3 index) {
     std::array<int, 3> v{};
-    if (!nearest(volume.voxels, index, v)) return 0;
-    return static_cast<std::uint8_t>(decoder.shape_at(v[0], v[1], v[2]));
+    if (!nearest(volume.voxels, index, v)) return;
+    out.numbers.bytes[at] = static_cast<char>(decoder.shape_at(v[0], v[1], v[2]));
+    if (!has_shares) return;
+    const voxel::VoxelShapes shapes = voxel::shapes_of_voxel(volume.voxels, v[0], v[1], v[2]);
+    // Steps of 17 of 255 lay a surface at most 1/30 of a voxel aside, and take half the bytes.
+    out.shares[at] = static_cast<char>(shapes.share > 0 ? std::max(1, (shapes.share + 8) / 17) * 17 : 0);
+    out.shares[to.count() + at] = static_cast<char>(shapes.rest);
   });
+  return out;
 }
 
 }  // namespace trephine::page

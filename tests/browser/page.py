@@ -80,24 +80,29 @@ def farthest(a, b):
 
 # Rays of the page cast again one by one: how far their colours are off, of 255, where either sees anything.
 REFERENCE = """
-const v = trephine.viewer, { voxels, size, spacing, origin } = trephine.page.ct, hu = v.hu, { points, shift } = v.cast
+const v = trephine.viewer, { functions, shift, of, shape } = v.cast, { voxels, shares, size, spacing, origin } = trephine.page[of], hu = v.hu
 const canvas = document.getElementById('solid'), w = canvas.width, h = canvas.height
 trephine.render()
 const flat = document.createElement('canvas'); flat.width = w; flat.height = h
 const g = flat.getContext('2d', { willReadFrequently: true }); g.drawImage(canvas, 0, 0)
 const ground = document.documentElement.classList.contains('light') ? [0.95, 0.96, 0.97] : [0.1, 0.11, 0.13]
 const clampTo = (x, n) => Math.max(0, Math.min(n - 1, x))
-const voxel = (i, j, k) => hu[voxels[clampTo(i, size[0]) + size[0] * (clampTo(j, size[1]) + size[1] * clampTo(k, size[2]))]]
-const huAt = p => {
-  const b = p.map(Math.floor), f = p.map((x, a) => x - b[a])
+// The sum of f(voxel) over the eight around a place, by weight.
+const trilinear = (p, f) => {
+  const b = p.map(Math.floor), t = p.map((x, a) => x - b[a])
   let sum = 0
   for (let n = 0; n < 8; ++n) {
-    const o = [n & 1, (n >> 1) & 1, n >> 2]
-    sum += o.reduce((s, x, a) => s * (x ? f[a] : 1 - f[a]), 1) * voxel(b[0] + o[0], b[1] + o[1], b[2] + o[2])
+    const o = [n & 1, (n >> 1) & 1, n >> 2], [i, j, k] = b.map((x, a) => clampTo(x + o[a], size[a]))
+    sum += o.reduce((s, x, a) => s * (x ? t[a] : 1 - t[a]), 1) * f(i + size[0] * (j + size[1] * k))
   }
   return sum
 }
+const shapes = trephine.data.felt ? trephine.data.felt.shapes : [], share = (at, n) =>
+  (voxels[at] === n ? shares[at] : shares[voxels.length + at] === n ? 255 - shares[at] : 0) * 1000 / 255
+let one = 0 // the shape that entryAt found
+const huAt = p => trilinear(p, of === 'ct' ? at => hu[voxels[at]] : at => share(at, one))
 const entry = x => {
+  const points = functions[0]
   x = Math.max(-1024, Math.min(3071, x)) - shift
   if (x <= points[0][0]) return points[0].slice(1)
   for (let n = 1; n < points.length; ++n)
@@ -106,6 +111,11 @@ const entry = x => {
       return [1, 2, 3, 4].map(k => points[n - 1][k] + f * (points[n][k] - points[n - 1][k]))
     }
   return points[points.length - 1].slice(1)
+}
+const entryAt = p => {
+  if (of === 'ct') return entry(huAt(p))
+  const found = shapes.find(s => { one = s.number; return huAt(p) >= 500 })
+  return found && (!shape || shape === found.number) ? [1, ...found.colour_rgb] : [0, 0, 0, 0]
 }
 const off = [], s0 = 0.5 * Math.min(...spacing)
 for (let n = 0; n < arguments[0]; ++n) {
@@ -125,13 +135,13 @@ for (let n = 0; n < arguments[0]; ++n) {
   for (let k = Math.floor(begin / s0); k * s0 < end && light > 0.005; ++k) {
     const low = Math.max(begin, k * s0), high = Math.min(end, (k + 1) * s0)
     if (high <= low) continue
-    const p = from.map((e, a) => e + step[a] * 0.5 * (low + high)), [opacity, ...rgb] = entry(huAt(p))
+    const p = from.map((e, a) => e + step[a] * 0.5 * (low + high)), [opacity, ...rgb] = entryAt(p)
     if (opacity <= 0) continue
     const grad = [0, 1, 2].map(a => { const e = [0, 0, 0]; e[a] = 1
       return (huAt(p.map((x, k) => x + e[k])) - huAt(p.map((x, k) => x - e[k]))) / (2 * spacing[a]) })
-    const steep = Math.hypot(...grad), share = Math.min(1, steep / 50), c = Math.abs(grad[0] * d[0] + grad[1] * d[1] + grad[2] * d[2]) / Math.max(1e-6, steep)
+    const steep = Math.hypot(...grad), lit = Math.min(1, steep / 50), c = Math.abs(grad[0] * d[0] + grad[1] * d[1] + grad[2] * d[2]) / Math.max(1e-6, steep)
     const alpha = 1 - Math.pow(Math.max(1e-6, 1 - opacity), high - low)
-    sum = sum.map((x, k) => x + light * alpha * (rgb[k] * (0.7 + share * (0.28 + 0.72 * c - 0.7)) + 0.12 * share * c ** 24))
+    sum = sum.map((x, k) => x + light * alpha * (rgb[k] * (0.7 + lit * (0.28 + 0.72 * c - 0.7)) + 0.12 * lit * c ** 24))
     light *= 1 - alpha
   }
   const shown = g.getImageData(x, y, 1, 1).data, covered = light < 0.98 || ground.some((e, k) => Math.abs(shown[k] - 255 * e) > 3)
@@ -448,6 +458,28 @@ class Page:
         self.set("cast", "nothing")
         self.b.js("trephine.meshes.forEach(m => { m.visible = true; if (m.kept) m.opacity = m.kept }); trephine.cam.dist *= 2; trephine.state.showMarks = true; trephine.render()")
 
+    def felt_rays(self):
+        """What is felt by rays, all of it and a shape alone."""
+        if self.mode != "webgl2":
+            return
+        names = self.b.js("return [...document.getElementById('cast').options].map(o => o.textContent)")
+        self.check("bone" in names and "felt: all" in names and "felt: inner" in names, f"what rays can go through: {names}")
+        self.b.js("trephine.meshes.forEach(m => { m.visible = false }); trephine.state.showMarks = false; document.querySelector('#views button[data-view=home]').click(); trephine.cam.dist *= 0.5")
+        seen = {}
+        for name in ("felt: all", "felt: inner"):
+            self.set("cast", name)
+            self.check(self.b.js("return document.getElementById('shift').disabled"), f"{name}: no HU to shift")
+            off = self.b.js(REFERENCE, 300)
+            self.check(off["covered"] > 30 and off["median"] <= 2 and off["p95"] <= 8, f"{name}: as the reference draws it: {off}")
+            seen[name] = self.pixels()
+        self.check(differ(seen["felt: all"], seen["felt: inner"]) > 60, "one shape is less than all")
+        self.set("clip", "1")
+        self.set("cast", "felt: all")
+        off = self.b.js(REFERENCE, 300)
+        self.check(off["covered"] > 30 and off["median"] <= 2 and off["p95"] <= 8, f"cut: {off}")
+        self.set("clip", "-1"), self.set("cast", "nothing")
+        self.b.js("trephine.meshes.forEach(m => { m.visible = true }); trephine.cam.dist *= 2; trephine.state.showMarks = true; trephine.render()")
+
     def without_ct(self):
         self.b.open((self.case.parent / "felt/report/view.html").as_uri())
         wait(self.b)
@@ -490,6 +522,7 @@ def main():
             page.deviation()
             page.slices()
             page.rays()
+            page.felt_rays()
             page.without_ct()
     check.end()
 
