@@ -14,6 +14,7 @@ constexpr double far = -1e3;
 constexpr double metal_hu = 8000, electrode_mm = 2;  // radius
 constexpr double free_mm = 20;                       // of a line before the skin
 constexpr double bend_mm = 10, bent_step_mm = 2;
+constexpr double wall_x_mm = 150, wall_y_mm = 85, wall_back_mm = 5, medial_mm = 18;  // medial: of a clavicle's end
 
 double ellipse(double x, double y, double rx, double ry) {
   const double k = std::hypot(x / rx, y / ry), g = std::hypot(x / (rx * rx), y / (ry * ry));
@@ -139,7 +140,7 @@ std::vector<Vec3> Chest::clavicle_points(bool left) const {
   std::vector<Vec3> line;
   for (int n = 0; n <= 50; ++n) {
     const double t = n / 50.0, out = own.length * t, up = own.rise * t;
-    line.push_back({side * (18 + out * std::cos(raised) - up * std::sin(raised)),
+    line.push_back({side * (medial_mm + out * std::cos(raised) - up * std::sin(raised)),
                     -60 + own.slope * t - own.bow * std::sin(2 * M_PI * t),
                     10 + out * std::sin(raised) + up * std::cos(raised)});
   }
@@ -224,9 +225,24 @@ double Chest::rod(const std::array<Line, 2>& lines, Vec3 p, double radius) const
   return radius - std::min(lines[0].to(p, reach), lines[1].to(p, reach));
 }
 
+// From the clavicles up, skin lies close before them, with a dent at the notch and a hollow above each: they are seen
+// and palpated. Below, it goes over into the wall of the chest.
 double Chest::skin(Vec3 world) const {
   const Vec3 p = unturned(world);
-  return ellipse(p.x, p.y + 5, 150, 85);
+  const double wall = ellipse(p.x, p.y + wall_back_mm, wall_x_mm, wall_y_mm);
+  if (p.y > 0) return wall;
+  const bool left = p.x > 0;
+  const std::vector<Vec3>& line = clavicles_[left].points;
+  const double t = std::clamp((std::abs(p.x) - medial_mm) / own_[left].length, 0.0, 1.0);
+  const Vec3 c = line[std::size_t(std::lround(t * double(line.size() - 1)))];
+  const double lateral = std::clamp(5 * t - 4, 0.0, 1.0), up = p.z - c.z;  // before the acromion, which is thicker
+  const auto bell = [](double off, double width) { return std::exp(-off * off / (width * width)); };
+  const double close = c.y - params_.clavicle_half_width_mm - 6 - 10 * lateral + 6 * bell(p.x, 10) * bell(up - 14, 9) +
+                       5 * bell(up - 20, 9) * (1 - lateral);
+  const double below = std::clamp((-8 - up) / 52, 0.0, 1.0), share = below * below * (3 - 2 * below);
+  const double x = p.x / wall_x_mm, front = -wall_back_mm - wall_y_mm * std::sqrt(std::max(0.0, 1 - x * x));
+  const double slope = 6 * below * (1 - below) / 52 * (front - close);
+  return std::min(wall, (p.y - close - share * (front - close)) / std::hypot(1, slope));
 }
 double Chest::clavicle(Vec3 p) const { return rod(clavicles_, unturned(p), params_.clavicle_half_width_mm); }
 double Chest::vein(Vec3 p) const { return rod(veins_, unturned(p), params_.vein_half_width_mm); }

@@ -92,10 +92,8 @@ class Spine {
 
   double bone(Vec3 world) const;
   double canal(Vec3 world) const;
-  double skin(Vec3 world) const {
-    const Vec3 p = unturned(world);
-    return ellipse(p.x, p.y - 10, 110, 85);
-  }
+  /// A back with a furrow, in which the spinous processes are seen and palpated.
+  double skin(Vec3 world) const;
   double metal(Vec3 world) const;
   /// The same of one vertebra alone.
   double bone_of(int vertebra, Vec3 world) const;

@@ -87,6 +87,16 @@ inline Spine::Vertebra Spine::made(int n) const {
   return v;
 }
 
+inline double Spine::skin(Vec3 world) const {
+  const Vec3 p = unturned(world);
+  const double back = ellipse(p.x, p.y - 10, 110, 85);
+  if (p.y < 0 || std::abs(p.x) > 60) return back;
+  const auto bell = [](double off, double width) { return std::exp(-off * off / (width * width)); };
+  double tips = 0;
+  for (const Vertebra& v : vertebrae_) tips = std::max(tips, bell(p.z - v.at.z + 4, v.is.spine_z));
+  return back - bell(p.x, 16) * (16 - 6 * tips * bell(p.x, 8));
+}
+
 inline Vec3 Spine::forwards(double side) const {
   const double c = params_.converging_deg * spine_shapes::degree, r = params_.rising_deg * spine_shapes::degree;
   return {-side * std::sin(c) * std::cos(r), -std::cos(c) * std::cos(r), std::sin(r)};
