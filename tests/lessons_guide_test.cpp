@@ -141,6 +141,56 @@ TEST(LessonsGuide, EachToolHasATitleInEitherLanguage) {
     }
 }
 
+// How many steps of a guide are done, from the first on; none behind one that is not.
+int done(const std::string& lesson, const lessons::LessonFacts& facts) {
+  const std::vector<lessons::LessonGuide> steps = lessons::guide_of(lessons::lesson_type(lesson), facts);
+  int count = 0;
+  while (steps[std::size_t(count)].done) ++count;
+  for (std::size_t n = std::size_t(count); n < steps.size(); ++n) EXPECT_FALSE(steps[n].done) << steps[n].text;
+  return count;
+}
+
+TEST(LessonsGuide, AStepIsDoneWhenItIsSeenToBe) {
+  lessons::VentriculostomyFacts head;
+  EXPECT_EQ(done("ventriculostomy", head), 0);
+  head.traces.resize(2);
+  EXPECT_EQ(done("ventriculostomy", head), 1);
+  head.traces[0].erased = true;
+  EXPECT_EQ(done("ventriculostomy", head), 2);
+  head.incisions.emplace_back();
+  EXPECT_EQ(done("ventriculostomy", head), 3);
+  head.hole.emplace();
+  EXPECT_EQ(done("ventriculostomy", head), 3) << "not through";
+  head.through_s = 20;
+  EXPECT_EQ(done("ventriculostomy", head), 4);
+  head.end_s = 30;
+  lessons::CatheterPass& pass = head.passes.emplace_back();
+  pass.end_s = 30;
+  EXPECT_EQ(done("ventriculostomy", head), 4) << "no CSF";
+  pass.csf_s = 29;
+  EXPECT_EQ(done("ventriculostomy", head), 5);
+  head.end_s = 31;
+  EXPECT_EQ(done("ventriculostomy", head), 4) << "it was drawn out";
+
+  lessons::SpineNeedleFacts spine;
+  EXPECT_EQ(done("pedicle_screw", spine), 0);
+  lessons::NeedlePass& finder = spine.passes.emplace_back();
+  finder.tool = "finder";
+  finder.end_s = spine.end_s = 10;
+  EXPECT_EQ(done("pedicle_screw", spine), 0) << "it is in the bone";
+  spine.end_s = 11;
+  EXPECT_EQ(done("pedicle_screw", spine), 1);
+
+  // Whether the needle is in the vein shows the syringe alone.
+  lessons::SubclavianFacts chest;
+  chest.vein_s = 5;
+  EXPECT_EQ(done("subclavian", chest), 0);
+  chest.passes.emplace_back();
+  EXPECT_EQ(done("subclavian", chest), 1);
+  chest.syringe = lesson::Fluid::venous_blood;
+  EXPECT_EQ(done("subclavian", chest), 2);
+}
+
 TEST(LessonsGuide, AStepMayBeForAnyOfSeveralTools) {
   const lessons::LessonGuide screw{"", "screw_*", "", "", ""}, finder{"", "finder", "", "", ""}, none;
   EXPECT_TRUE(lessons::is_for_tool(screw, "screw_5.5x45") && lessons::is_for_tool(finder, "finder"));

@@ -46,6 +46,7 @@ struct LessonColumn {
 struct LessonGuide {
   std::string text, tool, command;
   std::string why, sign;  ///< why it is done, and how one sees that it is right
+  bool done = false;      ///< as anyone sees who looks at the patient; that is not whether it was done well
 };
 /// What a window says of a lesson that goes on: the name for programs, which ends in its unit, and the label for
 /// people.
@@ -134,7 +135,7 @@ struct LessonType {
   /// For a window: the steps in their order (empty: a step for each tool, and the end), what it says meanwhile, and
   /// what a marker drew and nobody erased. Each may be empty.
   std::vector<LessonText> texts;
-  std::function<std::vector<LessonGuide>(const LessonFacts&)> guide;
+  std::function<std::vector<LessonGuide>(const LessonFacts&)> guide;  ///< the same steps whatever was done
   std::function<std::vector<LessonStatus>(const LessonFacts&)> status;
   std::function<std::vector<Vec3>(const LessonFacts&)> ink;
   /// The field of operation; empty: about the middle of what is shown.

@@ -150,9 +150,16 @@ texts::Answer LessonController::answer(const std::string& choice) {
   return {};
 }
 
+std::size_t LessonController::step() const {
+  std::size_t n = step_;
+  while (n + 1 < steps_.size() && steps_[n].guide.done) ++n;
+  return n;
+}
+
 texts::Answer LessonController::next() {
-  if (step_ + 1 >= steps_.size()) return texts::NoteId::last_step;
-  const LessonStep& s = steps_[step_ + 1];
+  const std::size_t n = std::max(step_ + 1, step());
+  if (n >= steps_.size()) return texts::NoteId::last_step;
+  const LessonStep& s = steps_[n];
   // A pedal pressed once too often must not end the lesson, which cannot be taken back.
   if (s.tool < 0 && s.command == haptics::belt_command::finish) return texts::NoteId::only_end_left;
   if (s.choice_of_tools) return texts::NoteId::choose_tool;
@@ -181,6 +188,8 @@ void LessonController::watch(const std::vector<haptics::ServoFrame>& frames, con
       press();
     }
   }
+  const std::vector<lessons::LessonGuide> guide = lessons::guide_of(module_, lesson_->facts());
+  for (std::size_t n = 0; n < steps_.size(); ++n) steps_[n].guide.done = guide[n].done;
   if (questions_->wants_errors(facts()))
     questions_->ask([this, facts = lesson_->copy_of_facts()] { return happened(*facts); });
 }

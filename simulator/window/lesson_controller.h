@@ -73,7 +73,7 @@ class LessonController {
   const std::vector<haptics::BeltToolParams>& tools() const { return belt_->tools(); }
   const std::vector<LessonStep>& steps() const { return steps_; }
   const lessons::LessonTask& task() const { return task_; }  ///< what is asked for; without a name where nothing is
-  std::size_t step() const { return step_; }
+  std::size_t step() const;  ///< that is to be done: the one taken up last, or the next that is not done
   const LessonQuestions& questions() const { return *questions_; }
   const lessons::LessonFacts& facts() const { return lesson_->facts(); }
   std::vector<lessons::LessonStatus> status() const;

@@ -46,6 +46,7 @@ sleep 1
 xdotool keydown ctrl keydown Down; sleep 0.5; xdotool keyup Down keyup ctrl
 xdotool keydown w
 until_is state 'in ventricles'
+until_lesson 'tool catheter step 2 '  # CSF comes: what is left is the end
 xdotool keyup w
 xdotool key Return; sleep 0.3; xdotool key Return
 until_lesson 'question outlet '

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "lessons/pedicle_screw/pedicle_screw_rubric.h"
@@ -93,9 +95,14 @@ LessonType pedicle_screw_lesson() {
        "Der Kopf liegt am Knochen, und in beiden Ansichten liegt die Spitze im Wirbelkörper."}};
   append(m.texts, finder_words());
   append(m.texts, spine_words());
-  m.guide = [](const LessonFacts&) {
+  m.guide = [](const LessonFacts& facts) {
+    LessonGuide finder = finder_guide();
+    const SpineNeedleFacts& f = static_cast<const SpineNeedleFacts&>(facts);
+    finder.done = std::any_of(f.passes.begin(), f.passes.end(), [&](const NeedlePass& p) {
+      return p.tool == finder.tool && !p.in_place && p.end_s < f.end_s;  // it was drawn out
+    });
     return std::vector<LessonGuide>{
-        finder_guide(),
+        finder,
         {"Turn in a screw of the size that fits", "screw_*", "",
          "Half to four fifths of the pedicle's width hold without bursting it; the finder's depth says the length.",
          "The head lies on the bone, and both views show the tip in the body."},

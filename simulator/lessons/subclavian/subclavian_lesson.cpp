@@ -163,11 +163,14 @@ LessonType subclavian_lesson() {
              {"bright blood", "hellrotes Blut"},
              {"air", "Luft"}};
   append(m.texts, subclavian_words());
-  m.guide = [](const LessonFacts&) {
+  m.guide = [](const LessonFacts& facts) {
+    const SubclavianFacts& f = own(facts);
     return std::vector<LessonGuide>{
         {"Pass the needle toward the sternal notch", "needle", "",
-         "Flat under the clavicle, toward the notch, the needle passes over the lung.", "A give in the vein's wall."},
-        {"Aspirate", "", "aspirate", "Blood alone shows that the tip is in the vein.", "Dark blood, without a pulse."},
+         "Flat under the clavicle, toward the notch, the needle passes over the lung.", "A give in the vein's wall.",
+         !f.passes.empty()},
+        {"Aspirate", "", "aspirate", "Blood alone shows that the tip is in the vein.", "Dark blood, without a pulse.",
+         f.syringe != lesson::Fluid::none},
         {"Finish the lesson", "", "finish", "What is left in place is judged.", "Blood still comes."}};
   };
   m.status = [](const LessonFacts& facts) { return status_of(own(facts)); };

@@ -146,21 +146,28 @@ std::vector<LessonTask> tasks_of(const cases::CaseManifest& manifest) {
   return all;
 }
 
+// Whether the last catheter was not drawn out.
+bool is_in_place(const VentriculostomyFacts& f) {
+  return !f.passes.empty() && (f.passes.back().in_place || f.passes.back().end_s >= f.end_s);
+}
+
 std::vector<LessonGuide> guide_of(const VentriculostomyFacts& f) {
   std::vector<LessonGuide> steps;
+  const bool erased = std::any_of(f.traces.begin(), f.traces.end(), [](const MarkerTrace& t) { return t.erased; });
   if (!f.drilled_beforehand)
     steps = {
         {"Mark: the pedal draws", "marker", "",
          "Kocher's point lies 11 cm behind the nasion and 3 cm beside the midline, before the coronal suture.",
-         "The line of the midline runs from the nasion; the other crosses it at the suture."},
-        {"Erase the traces", "", "erase", "Nothing but the last mark guides the hole.", "The skin is bare."},
-        {"Incise the skin at the last mark", "", "incise", "The burr must not wind the skin up.", "Bone lies open."},
+         "The line of the midline runs from the nasion; the other crosses it at the suture.", f.traces.size() > 1},
+        {"Erase the traces", "", "erase", "Nothing but the last mark guides the hole.", "The skin is bare.", erased},
+        {"Incise the skin at the last mark", "", "incise", "The burr must not wind the skin up.", "Bone lies open.",
+         !f.incisions.empty()},
         {"Drill: the pedal runs the burr", "burr*", "",
          "The hole is as wide as the catheter needs, and upright on the skull.",
-         "The inner table gives way; lift the pedal before the dura is pressed."}};
+         "The inner table gives way; lift the pedal before the dura is pressed.", f.through_s >= 0}};
   steps.push_back({"Pass the catheter", "catheter", "",
                    "Upright on the skull it points at the foramen of Monro, 5 to 6 cm below the inner table.",
-                   "A give, and CSF comes."});
+                   "A give, and CSF comes.", is_in_place(f) && f.passes.back().csf_s >= 0});
   steps.push_back({"Finish the lesson", "", "finish", "What is left in place is judged.", "CSF drains."});
   return steps;
 }
@@ -207,11 +214,10 @@ LessonField field_of(const VentriculostomyFacts& f, const cases::CaseManifest& m
 
 // A catheter drains as long as its tip is in the ventricles.
 lesson::Fluid fluid_of(const VentriculostomyFacts& f, const cases::CaseManifest& manifest) {
-  if (f.passes.empty() || f.passes.back().path.empty()) return lesson::Fluid::none;
-  const CatheterPass& pass = f.passes.back();
-  const bool drawn_out = pass.end_s < f.end_s && !pass.in_place;
-  return !drawn_out && pass.path.back().inside == head_shapes_of(manifest).ventricles ? lesson::Fluid::csf
-                                                                                      : lesson::Fluid::none;
+  return is_in_place(f) && !f.passes.back().path.empty() &&
+                 f.passes.back().path.back().inside == head_shapes_of(manifest).ventricles
+             ? lesson::Fluid::csf
+             : lesson::Fluid::none;
 }
 
 texts::Phrase outcome(const LessonFacts& facts, const LessonScore& score) {
