@@ -86,7 +86,7 @@ TEST(DrawnHu, WhereWindowsMeetItIsDrawnAsItIsFelt) {
         if (norm(at - middle(v)) > 13) continue;  // the border of the lattice
         const Vec3 out = l.direction * Vec3{x.normal[0], x.normal[1], x.normal[2]};
         ++seen;
-        far += !(felt.trilinear(number, at - out * 0.4) > 0.5) || felt.trilinear(number, at + out * 0.4) > 0.5;
+        far += !(felt.trilinear(number, at - out * 0.05) > 0.5) || felt.trilinear(number, at + out * 0.05) > 0.5;
       }
     ASSERT_GT(seen, 500u);
     EXPECT_LT(double(far), 0.02 * double(seen)) << number;

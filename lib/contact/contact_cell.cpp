@@ -213,11 +213,14 @@ void ContactCell::find_windows(const FeltLattice& felt) {
   // Where three windows meet, none may have half of a point: there the boxes decide.
   boxes_ = boxes_ || count_ > 2;
   for (int n = 0; n < count_; ++n) {
-    const int number = number_[std::size_t(n)], low = felt.table.low_of(number);
+    const int number = number_[std::size_t(n)], low = felt.table.low_of(number), high = felt.table.high_of(number);
+    double top = high + 0.5;  // towards HU of no window; towards another one, where that begins
+    for (int m = 0; m < count_ && count_ == 2; ++m)
+      top = std::max(top, double(felt.table.low_of(number_[std::size_t(m)])));
     for (std::size_t c = 0; c < 8; ++c) {
-      const bool counts = entry_shape(entry_[c]) == number || entry_[c] == 0;
-      own_[std::size_t(n)][c] = counts ? double(raw_[c]) - low : 0.0;
-      other_[std::size_t(n)][c] = counts ? 0.5 : -0.5;
+      const double hu = raw_[c];
+      own_[std::size_t(n)][c] = hu <= high ? hu - low : 0;
+      top_[std::size_t(n)][c] = hu < low ? 0 : hu <= high ? top - hu : std::min(top - hu, -0.5);
     }
   }
 }
@@ -230,7 +233,7 @@ int ContactCell::shape_at(Vec3 p) const {
   }
   if (hu_) {
     for (int n = 0; n < count_; ++n)
-      if (interpolate(own_[std::size_t(n)], p) >= 0 && interpolate(other_[std::size_t(n)], p) >= 0)
+      if (interpolate(own_[std::size_t(n)], p) >= 0 && interpolate(top_[std::size_t(n)], p) >= 0)
         return number_[std::size_t(n)];
     return 0;
   }
@@ -256,8 +259,8 @@ Vec3 ContactCell::gradient(Vec3 p, int from, int into) const {
   if (hu_) {
     if (a < 0 && b < 0) return {};
     f = own_[std::size_t(b < 0 ? a : b)];
-    // Midway between two windows the other function changes its sign.
-    const Corners& o = other_[std::size_t(b < 0 ? a : b)];
+    // At the upper end of the window the other function changes its sign.
+    const Corners& o = top_[std::size_t(b < 0 ? a : b)];
     if (std::abs(interpolate(o, p)) < std::abs(interpolate(f, p)) * 1e-3) f = o;
     if (b < 0)
       for (double& v : f) v = -v;
@@ -294,7 +297,7 @@ int ContactCell::breaks(Vec3 p, Vec3 q, double* out) const {
   if (hu_) {
     for (std::size_t n = 0; n < std::size_t(count_); ++n) {
       add(own_[n]);
-      add(other_[n]);
+      add(top_[n]);
     }
   } else {
     add(filled_);

@@ -50,8 +50,8 @@ class ContactCell {
   int count_ = 0;   ///< shapes near
   static constexpr int max_shapes = 8;
   std::array<int, max_shapes> number_;
-  std::array<Corners, max_shapes> own_;    ///< occupancy: share of the shape; hu: HU above its low end
-  std::array<Corners, max_shapes> other_;  ///< hu: 1/2 minus the share of other shapes
+  std::array<Corners, max_shapes> own_;  ///< occupancy: share of the shape; hu: HU of it and below it, less its low end
+  std::array<Corners, max_shapes> top_;  ///< hu: how far HU of the shape, and above it, lie below its upper end
 };
 
 }  // namespace trephine::contact

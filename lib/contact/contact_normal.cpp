@@ -132,7 +132,7 @@ bool shares_around(const FeltLattice& felt, const int* begin, int from, int into
   return true;
 }
 
-// The same voxel by voxel, whatever there is; of HU, those of air and of the shape.
+// The same voxel by voxel, whatever there is; of HU, by the low end of the upper of two windows.
 double share_around(const FeltLattice& felt, int i, int j, int k, int from, int into) {
   const int number = into != 0 ? into : from;
   const bool hu = felt.volume.encoding == voxel::HapticEncoding::hu, inside = felt.volume.voxels.contains(i, j, k);
@@ -145,10 +145,15 @@ double share_around(const FeltLattice& felt, int i, int j, int k, int from, int 
     if (entry_shape(e) == number) return entry_share(e);
     return entry_rest(e) != 0 && felt.blocks.second_of(entry_shape(e), i, j, k) == number ? entry_rest(e) : 0;
   }
-  const double half = std::max(1, felt.table.low_of(number) + 1000);
-  if (entry_shape(e) == number || (e == 0 && (from == 0 || into == 0)))
-    return std::clamp(0.5 + (raw - felt.table.low_of(number)) / (2 * half), 0.0, 1.0);
-  return (from == 0 || into == 0) && e != 0 && e != contact_gap ? 1 : 0;
+  if (from == 0 || into == 0) {
+    if (e != 0 && e != contact_gap && entry_shape(e) != number) return 1;
+    if (raw > felt.table.high_of(number)) return 0;
+  }
+  const bool of_lower = from != 0 && into != 0 && felt.table.low_of(from) > felt.table.low_of(into);
+  const int low = felt.table.low_of(of_lower ? from : number);
+  const double half = std::max(1, low + 1000);
+  const double share = std::clamp(0.5 + (raw - low) / (2 * half), 0.0, 1.0);
+  return of_lower ? 1 - share : share;
 }
 
 }  // namespace

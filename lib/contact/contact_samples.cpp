@@ -23,6 +23,14 @@ double crossing_of(std::uint32_t a, std::uint32_t b) {
   return own + other > 0 ? std::clamp(own / (own + other), 0.0, 1.0) : 0.5;
 }
 
+// The same of encoding `hu`.
+double crossing_of_hu(const VoxelTable& table, int from, int to) {
+  const int a = entry_shape(table.of(std::int16_t(from))), b = entry_shape(table.of(std::int16_t(to)));
+  const int upper = (from > to ? a : b) % contact_gap;
+  const double hu = upper != 0 ? table.low_of(upper) : table.high_of(from > to ? b : a) + 0.5;
+  return std::clamp((hu - from) / (to - from), 0.0, 1.0);
+}
+
 // A part of a line, as shares of its length.
 struct Part {
   double begin, end;
@@ -53,8 +61,10 @@ int samples_near(const FeltLattice& felt, Vec3 from_mm, Vec3 to_mm, double reach
   const std::size_t step[3] = {1, std::size_t(v.size[0]), std::size_t(v.size[0]) * std::size_t(v.size[1])};
   const bool hu = felt.volume.encoding == voxel::HapticEncoding::hu;
   int count = 0;
-  const auto entry_at = [&](int i, int j, int k) {
-    return v.contains(i, j, k) ? felt.table.of(voxel::detail::load_voxel(v.at(i, j, k))) : 0;
+  const auto raw_at = [&](int i, int j, int k) {
+    return v.contains(i, j, k) ? voxel::detail::load_voxel(v.at(i, j, k))
+           : hu                ? std::int16_t(voxel::haptic_beyond_hu)
+                               : voxel::haptic_empty;
   };
   // Around a point, how far the row of voxels (j, k) lies within reach; negative where it does not. A sample lies up to
   // one voxel behind its voxel.
@@ -96,27 +106,24 @@ int samples_near(const FeltLattice& felt, Vec3 from_mm, Vec3 to_mm, double reach
             }
             const std::int16_t* row = inner ? v.voxels.data() + v.index(0, j, k) : nullptr;
             for (int i = begin_i; i <= end_i; ++i) {
-              std::uint32_t here, next[3];
+              std::int16_t raw, beside[3];
               if (inner) {
                 const std::int16_t* at = row + i;
-                const std::int16_t raw = voxel::detail::load_voxel(*at);
-                const std::int16_t x = voxel::detail::load_voxel(at[1]), y = voxel::detail::load_voxel(at[step[1]]),
-                                   z = voxel::detail::load_voxel(at[step[2]]);
-                if (raw == x && raw == y && raw == z) continue;  // most are
-                here = felt.table.of(raw);
-                next[0] = felt.table.of(x);
-                next[1] = felt.table.of(y);
-                next[2] = felt.table.of(z);
+                raw = voxel::detail::load_voxel(*at);
+                for (int a = 0; a < 3; ++a) beside[a] = voxel::detail::load_voxel(at[step[a]]);
               } else {
-                here = entry_at(i, j, k);
-                for (int a = 0; a < 3; ++a) next[a] = entry_at(i + (a == 0), j + (a == 1), k + (a == 2));
+                raw = raw_at(i, j, k);
+                for (int a = 0; a < 3; ++a) beside[a] = raw_at(i + (a == 0), j + (a == 1), k + (a == 2));
               }
+              if (raw == beside[0] && raw == beside[1] && raw == beside[2]) continue;  // most are
+              const std::uint32_t here = felt.table.of(raw);
               const int shape = shape_of_entry(here);
               for (int a = 0; a < 3; ++a) {
-                const int other = shape_of_entry(next[a]);
+                const std::uint32_t next = felt.table.of(beside[a]);
+                const int other = shape_of_entry(next);
                 if (other == shape) continue;
                 Vec3 p{double(i), double(j), double(k)};
-                p[a] += hu ? 0.5 : crossing_of(here, next[a]);
+                p[a] += hu ? crossing_of_hu(felt.table, raw, beside[a]) : crossing_of(here, next);
                 const Vec3 world = v.to_world_mm(p);
                 if (squared_from_line(world, from_mm, to_mm) > reach_mm * reach_mm || count == most) continue;
                 out[count++] = {world, {}, std::uint8_t(shape), std::uint8_t(other)};

@@ -21,6 +21,7 @@ void VoxelTable::add_windows(const std::vector<voxel::HapticShape>& shapes) {
   for (int raw = -32768; raw <= 32767; ++raw) entries_[std::uint16_t(raw)] = raw < lowest ? 0 : contact_gap;
   for (const voxel::HapticShape& s : shapes) {
     low_of_[std::size_t(s.number)] = s.window_low;
+    high_of_[std::size_t(s.number)] = s.window_high;
     for (int raw = s.window_low; raw <= s.window_high; ++raw)
       entries_[std::uint16_t(raw)] = std::uint32_t(voxel::haptic_full << 8 | contact_pure | s.number);
   }

@@ -24,14 +24,15 @@ class VoxelTable {
  public:
   explicit VoxelTable(const voxel::HapticVolume& volume);
   std::uint32_t of(std::int16_t raw) const { return entries_[std::uint16_t(raw)]; }
-  /// Encoding `hu`: the low end of the shape's window.
+  /// Encoding `hu`: the ends of the shape's window.
   int low_of(int shape) const { return low_of_[std::size_t(shape)]; }
+  int high_of(int shape) const { return high_of_[std::size_t(shape)]; }
 
  private:
   void add_windows(const std::vector<voxel::HapticShape>& shapes);
   void add_shares(const std::vector<voxel::HapticShape>& shapes);
   std::vector<std::uint32_t> entries_;
-  std::array<int, voxel::haptic_max_shapes + 1> low_of_{};
+  std::array<int, voxel::haptic_max_shapes + 1> low_of_{}, high_of_{};
 };
 
 }  // namespace trephine::contact

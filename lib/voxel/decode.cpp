@@ -105,18 +105,28 @@ double HapticDecoder::trilinear_at(int number, Vec3 index) const {
 }
 
 double HapticDecoder::trilinear_hu(const Window& window, const int* begin, const double* fraction) const {
-  double sum = 0, weight = 0, others = 0;
-  for_each_corner(volume_.voxels, begin, fraction, [&](double w, int i, int j, int k, bool within) {
-    const int hu =
-        within ? int(detail::load_voxel(volume_.voxels.voxels[volume_.voxels.index(i, j, k)])) : haptic_beyond_hu;
-    if ((hu >= window.low && hu <= window.high) || hu < lowest_ || !within) {
-      sum += w * hu;
-      weight += w;
-    } else {
-      others += w;
+  double top = window.high + 0.5;  // towards HU of no window; towards another one, where that begins
+  bool meets = false;
+  const auto hu_at = [&](int i, int j, int k, bool within) {
+    return within ? int(detail::load_voxel(volume_.voxels.voxels[volume_.voxels.index(i, j, k)])) : haptic_beyond_hu;
+  };
+  for_each_corner(volume_.voxels, begin, fraction, [&](double, int i, int j, int k, bool within) {
+    const int hu = hu_at(i, j, k, within);
+    for (int n = 0; n < window_count_ && hu > window.high; ++n) {
+      const Window& other = windows_[std::size_t(n)];
+      if (hu < other.low || hu > other.high) continue;
+      top = meets ? std::min(top, double(other.low)) : other.low;
+      meets = true;
     }
   });
-  return weight > 0 ? std::min(hu_occupancy(sum / weight, window.low), 1 - others) : 0;
+  double above_low = 0, below_top = 0;
+  for_each_corner(volume_.voxels, begin, fraction, [&](double w, int i, int j, int k, bool within) {
+    const int hu = hu_at(i, j, k, within);
+    if (hu <= window.high) above_low += w * (hu - window.low);
+    if (hu > window.high) below_top += w * std::min(top - hu, -0.5);
+    if (hu >= window.low && hu <= window.high) below_top += w * (top - hu);
+  });
+  return hu_occupancy(std::min(above_low, below_top) + window.low, window.low);
 }
 
 Vec3 HapticDecoder::gradient(int number, Vec3 world_mm) const {

@@ -24,9 +24,10 @@ double hu_occupancy(double hu, int low);
 /// where x is its HU (and the slope is at least that of low + 1000 = 1). It is 1/2 at the low end and 0 at -1000 and
 /// below. A voxel below every window ("air") has the same function, and so less than 1/2. Every other voxel, of another
 /// window, between windows or above them, has 0. trilinear() takes the weights w of the eight voxels and gives
-///   min(a(mean HU of those that are air or in the window), 1 - sum of w of all others)
-/// so that towards air the surface lies where the interpolated HU cross the low end, as a contour's does, and midway
-/// between the voxels where windows meet. It is continuous, and inside it is between 1/2 and 1.
+///   a(low + min(sum of w (x - low) over x <= high, sum of w (top - x) over x >= low))
+/// where top is the low end of the next window among them above the shape's, or high + 1/2 where there is none. So the
+/// surface lies where the interpolated HU cross the low end of the upper of what meets there, as a contour's does, and
+/// is the same for both. Where it is less than 1/2 it may jump between cells.
 class HapticDecoder {
  public:
   explicit HapticDecoder(const HapticVolume& volume);

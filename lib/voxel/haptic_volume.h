@@ -22,9 +22,10 @@ namespace trephine::voxel {
 /// Every other value belongs to no shape. The surface of a shape lies where its occupancy is 1/2.
 ///
 /// Encoding `hu`: the voxels are a CT's HU, and a shape is a window of them. Windows are disjoint, at most 32, and
-/// begin above -1024 HU, so that no window holds what lies outside of the lattice or what was cut away. Towards HU
-/// below every window (such as air) the surface lies where the HU cross the low end of the window; where windows meet,
-/// the surface lies between the voxels.
+/// begin above -1024 HU, so that no window holds what lies outside of the lattice or what was cut away. Surfaces
+/// lie where the interpolated HU cross an end of a window: towards lower HU the low end of the shape's own, towards
+/// higher ones the low end of the next window, or the shape's high end where there is none. So windows that meet share
+/// a surface, and what was cut away never becomes a film of another shape.
 ///
 /// Raw values must never be interpolated or subtracted: decode the occupancy of one shape first (voxel/decode.h).
 constexpr std::int16_t haptic_empty = 0;

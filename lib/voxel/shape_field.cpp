@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/parallel.h"
 #include "base/pi.h"
 #include "voxel/decode.h"
+#include "voxel/hu_shares.h"
 
 namespace trephine::voxel {
 
@@ -32,13 +34,16 @@ bool hole_is_free(const HapticVolume& volume, const std::string& shape, const Bo
 
 grid::Field shape_field(const HapticVolume& volume, int number, const Progress& progress) {
   const HapticDecoder decoder(volume);
+  std::optional<HuShares> of_hu;
+  if (volume.encoding == HapticEncoding::hu) of_hu.emplace(volume, number);
   grid::Field field(static_cast<const grid::Lattice&>(volume.voxels));
   parallel_for(0, field.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     progress.check();
     for (int k = static_cast<int>(from); k < static_cast<int>(to); ++k)
       for (int j = 0; j < field.size[1]; ++j)
         for (int i = 0; i < field.size[0]; ++i)
-          field.at(i, j, k) = static_cast<float>(decoder.occupancy(number, i, j, k) - 0.5);
+          field.at(i, j, k) =
+              static_cast<float>((of_hu ? of_hu->at(i, j, k) : decoder.occupancy(number, i, j, k)) - 0.5);
   });
   return field;
 }

@@ -13,78 +13,58 @@ namespace trephine::drill {
 namespace {
 
 constexpr int side = BrickLayout::side, corners = side + 1;
-constexpr float level = 0.5f * voxel::haptic_full;  // no value is equal to it, so no vertex lies in a corner
+constexpr int unit = ShadowVolume::full / voxel::haptic_full;  // of the shares of encoding `occupancy`
+constexpr float level = 0.5f * ShadowVolume::full;             // no value is equal to it, so no vertex lies in a corner
 
 // The value of the brick's first corner: the corner (x, y, z) of its cells is voxel side * place + (x, y, z) - 1.
-const std::uint8_t* first_corner(const ShadowVolume& shadow, const std::array<int, 3>& place) {
+const std::uint16_t* first_corner(const ShadowVolume& shadow, const std::array<int, 3>& place) {
   return shadow.data() + shadow.index(side * place[0] - 1, side * place[1] - 1, side * place[2] - 1);
 }
 
-constexpr std::uint16_t neighbours_say = voxel::haptic_full + 1;
-constexpr int solid_from = voxel::haptic_full / 2 + 1;
+constexpr std::int32_t neighbours_say = -1;
+constexpr int solid_from = ShadowVolume::full / 2 + 1;
+
+// A voxel of the window is never drawn as one of none, however it is rounded.
+int drawn_share(double share, bool in_window) {
+  const int rounded = int(std::lround(ShadowVolume::full * share));
+  return in_window ? std::max(rounded, solid_from) : std::min(rounded, solid_from - 1);
+}
 
 // By raw value, the share of a shape in a voxel where the value alone says it.
-std::vector<std::uint16_t> known_shares_of_hu(const voxel::HapticVolume& volume, int number) {
-  std::vector<std::uint16_t> known(65536, neighbours_say);
-  int lowest = volume.shapes.front().window_low;
-  const voxel::HapticShape* own = nullptr;
-  for (const voxel::HapticShape& s : volume.shapes) {
-    lowest = std::min(lowest, int(s.window_low));
-    if (s.number == number) own = &s;
-  }
-  for (int hu = -32768; own && hu <= 32767; ++hu) {
-    const bool within = hu >= own->window_low && hu <= own->window_high;
-    const int share = int(std::lround(voxel::haptic_full * voxel::hu_occupancy(hu, own->window_low)));
-    if (within || hu < lowest)  // a voxel of the window is never drawn as one of none, however it is rounded
-      known[std::uint16_t(hu)] = std::uint16_t(within ? std::max(share, solid_from) : std::min(share, solid_from - 1));
-  }
+std::vector<std::int32_t> known_shares_of_hu(const voxel::HapticVolume& volume, int number) {
+  std::vector<std::int32_t> known(65536, neighbours_say);
+  const voxel::HuShares shares(volume, number);
+  for (int hu = -32768; hu <= 32767; ++hu)
+    if (const std::optional<double> share = shares.of_value(hu)) known[std::uint16_t(hu)] = drawn_share(*share, false);
   return known;
 }
 
-std::vector<std::uint16_t> known_shares(const voxel::HapticVolume& volume, int number) {
+std::vector<std::int32_t> known_shares(const voxel::HapticVolume& volume, int number) {
   if (volume.encoding == voxel::HapticEncoding::hu) return known_shares_of_hu(volume, number);
-  std::vector<std::uint16_t> known(65536, 0);
+  std::vector<std::int32_t> known(65536, 0);
   for (int raw = voxel::haptic_base_step; raw <= 32767; ++raw) {
     const voxel::detail::RawVoxel v = voxel::detail::split(std::int16_t(raw));
     if (v.number == 0) continue;
     if (v.number == number)
-      known[std::size_t(raw)] = std::uint16_t(v.share);
+      known[std::size_t(raw)] = unit * v.share;
     else if (!v.bare && v.share < voxel::haptic_full)
       known[std::size_t(raw)] = neighbours_say;
   }
   return known;
 }
 
-// Encoding `hu`: towards another window the surface lies between the voxels (haptic_volume.h). So what is of another
-// one has as little of the shape as the voxels of the shape beside it have more than half.
-int share_beside(const grid::Grid<std::int16_t>& v, const std::vector<std::uint16_t>& known, int i, int j, int k) {
-  int sum = 0, count = 0;
-  const auto look = [&](int x, int y, int z) {
-    if (!v.contains(x, y, z)) return;
-    const int share = known[std::uint16_t(voxel::detail::load_voxel(v.voxels[v.index(x, y, z)]))];
-    if (share >= neighbours_say || share < solid_from) return;
-    sum += share;
-    ++count;
-  };
-  for (const int d : {-1, 1}) {
-    look(i + d, j, k);
-    look(i, j + d, k);
-    look(i, j, k + d);
-  }
-  return count == 0 ? 0 : voxel::haptic_full - (sum + count / 2) / count;
-}
-
 }  // namespace
 
 int ShadowVolume::share(const std::int16_t& voxel, int i, int j, int k) const {
   const int known = known_[std::uint16_t(voxel::detail::load_voxel(voxel))];
-  if (known < neighbours_say) return known;
-  return volume_.encoding == voxel::HapticEncoding::hu ? share_beside(volume_.voxels, known_, i, j, k)
-                                                       : voxel::detail::share_of(volume_.voxels, number_, i, j, k);
+  if (known != neighbours_say) return known;
+  return of_hu_ ? drawn_share(of_hu_->at(i, j, k), true)
+                : unit * voxel::detail::share_of(volume_.voxels, number_, i, j, k);
 }
 
 ShadowVolume::ShadowVolume(const voxel::HapticVolume& volume, int number)
     : volume_(volume), number_(number), layout_(volume.voxels), known_(known_shares(volume, number)) {
+  if (volume.encoding == voxel::HapticEncoding::hu) of_hu_.emplace(volume, number);
   for (int a = 0; a < 3; ++a) size_[a] = std::size_t(side * layout_.bricks[std::size_t(a)] + 4);
   values_.assign(size_[0] * size_[1] * size_[2], 0);
   reads_it_.assign(layout_.count(), 0);
@@ -93,8 +73,8 @@ ShadowVolume::ShadowVolume(const voxel::HapticVolume& volume, int number)
     for (int k = int(from); k < int(to); ++k)
       for (int j = 0; j < v.size[1]; ++j) {
         const std::int16_t* row = v.voxels.data() + v.index(0, j, k);
-        std::uint8_t* out = values_.data() + index(0, j, k);
-        for (int i = 0; i < v.size[0]; ++i) out[i] = std::uint8_t(share(row[i], i, j, k));
+        std::uint16_t* out = values_.data() + index(0, j, k);
+        for (int i = 0; i < v.size[0]; ++i) out[i] = std::uint16_t(share(row[i], i, j, k));
       }
   });
 }
@@ -111,9 +91,9 @@ bool ShadowVolume::copy(std::size_t brick) {
   for (int k = low[2]; k <= high[2]; ++k)
     for (int j = low[1]; j <= high[1]; ++j) {
       const std::int16_t* voxels = v.voxels.data() + v.index(0, j, k);
-      std::uint8_t* row = values_.data() + index(0, j, k);
+      std::uint16_t* row = values_.data() + index(0, j, k);
       for (int i = low[0]; i <= high[0]; ++i) {
-        const std::uint8_t now = std::uint8_t(share(voxels[i], i, j, k));
+        const std::uint16_t now = std::uint16_t(share(voxels[i], i, j, k));
         if (row[i] == now) continue;
         row[i] = now;
         changed = true;
@@ -153,13 +133,13 @@ const std::vector<std::size_t>& ShadowVolume::follow(const std::vector<std::size
 }
 
 bool has_triangles(const ShadowVolume& shadow, std::size_t brick) {
-  const std::uint8_t* const first = first_corner(shadow, shadow.layout().place(brick));
-  const bool solid = *first > voxel::haptic_full / 2;
+  const std::uint16_t* const first = first_corner(shadow, shadow.layout().place(brick));
+  const bool solid = *first >= solid_from;
   for (int z = 0; z < corners; ++z)
     for (int y = 0; y < corners; ++y) {
-      const std::uint8_t* from = first + std::size_t(z) * shadow.slice() + std::size_t(y) * shadow.row();
+      const std::uint16_t* from = first + std::size_t(z) * shadow.slice() + std::size_t(y) * shadow.row();
       for (int x = 0; x < corners; ++x)
-        if ((from[x] > voxel::haptic_full / 2) != solid) return true;
+        if ((from[x] >= solid_from) != solid) return true;
     }
   return false;
 }
@@ -170,14 +150,14 @@ void mesh_brick(const ShadowVolume& shadow, std::size_t brick, BrickMesh& out) {
   const std::array<int, 3> at = shadow.layout().place(brick);
   const std::size_t row = shadow.row(), slice = shadow.slice();
   const int begin[3] = {side * at[0] - 1, side * at[1] - 1, side * at[2] - 1};
-  const std::uint8_t* const first = first_corner(shadow, at);
+  const std::uint16_t* const first = first_corner(shadow, at);
   bool some = false, all = true;
   std::uint8_t solid[corners][corners][corners];
   for (int z = 0; z < corners; ++z)
     for (int y = 0; y < corners; ++y) {
-      const std::uint8_t* from = first + std::size_t(z) * slice + std::size_t(y) * row;
+      const std::uint16_t* from = first + std::size_t(z) * slice + std::size_t(y) * row;
       for (int x = 0; x < corners; ++x) {
-        const bool in = from[x] > voxel::haptic_full / 2;
+        const bool in = from[x] >= solid_from;
         solid[z][y][x] = in;
         some = some || in;
         all = all && in;
@@ -193,8 +173,8 @@ void mesh_brick(const ShadowVolume& shadow, std::size_t brick, BrickMesh& out) {
     std::int16_t& number = known[axis][z][y][x];
     if (number >= 0) return number;
     number = std::int16_t(out.vertices.size());
-    const std::uint8_t* p = first + std::size_t(z) * slice + std::size_t(y) * row + std::size_t(x);
-    const std::uint8_t* q = p + step[axis];
+    const std::uint16_t* p = first + std::size_t(z) * slice + std::size_t(y) * row + std::size_t(x);
+    const std::uint16_t* q = p + step[axis];
     const float t = (level - float(*p)) / (float(*q) - float(*p));
     const int voxel[3] = {begin[0] + x, begin[1] + y, begin[2] + z};
     LiveVertex v;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "drill/bricks.h"
 #include "voxel/haptic_volume.h"
+#include "voxel/hu_shares.h"
 
 namespace trephine::drill {
 
@@ -18,11 +20,12 @@ struct BrickMesh {
   std::vector<std::uint16_t> indices;  ///< three a triangle, counter-clockwise from outside
 };
 
-/// One shape's occupancy, 0 to 255, as surfaces are made of it: a copy of the volume by the rule of shared voxels, or
-/// by the windows of encoding `hu`, with two EMPTY voxels around. So all bricks are made of the same values, whatever
-/// is cut meanwhile, and no crack opens between them.
+/// One shape's occupancy, 0 to `full`, as surfaces are made of it: a copy of the volume by the rule of shared voxels,
+/// or by the windows of encoding `hu`, with two EMPTY voxels around. So all bricks are made of the same values,
+/// whatever is cut meanwhile, and no crack opens between them.
 class ShadowVolume {
  public:
+  static constexpr int full = 65535;
   ShadowVolume(const voxel::HapticVolume& volume, int number);
   const BrickLayout& layout() const { return layout_; }
   Vec3 spacing_mm() const { return volume_.voxels.spacing_mm; }
@@ -37,7 +40,7 @@ class ShadowVolume {
   static constexpr int read_side = BrickLayout::side + 3;
 
   /// Voxel (-2, -2, -2) is the first.
-  const std::uint8_t* data() const { return values_.data(); }
+  const std::uint16_t* data() const { return values_.data(); }
   std::size_t index(int i, int j, int k) const {
     return (std::size_t(k + 2) * size_[1] + std::size_t(j + 2)) * size_[0] + std::size_t(i + 2);
   }
@@ -52,9 +55,10 @@ class ShadowVolume {
   const voxel::HapticVolume& volume_;
   int number_;
   BrickLayout layout_;
-  std::vector<std::uint16_t> known_;  ///< by raw value, the share of it where the value alone says it
+  std::optional<voxel::HuShares> of_hu_;
+  std::vector<std::int32_t> known_;  ///< by raw value, the share of it where the value alone says it
   std::size_t size_[3];
-  std::vector<std::uint8_t> values_;
+  std::vector<std::uint16_t> values_;
   std::vector<std::uint8_t> reads_it_;  ///< by brick: 1 where it reads a voxel that changed
   std::vector<std::size_t> stale_, copied_;
 };

@@ -30,7 +30,7 @@ shared uvec2 sums[128];
 shared Place place;
 
 uint at(ivec3 corner) { return value[(corner.z + 1) * 121 + (corner.y + 1) * 11 + corner.x + 1]; }
-bool solid(ivec3 corner) { return at(corner) > 127u; }
+bool solid(ivec3 corner) { return at(corner) > 32767u; }
 ivec3 along(int axis) { return ivec3(axis == 0, axis == 1, axis == 2); }
 ivec3 corner_of(uint n) { return ivec3(n % 9u, n / 9u % 9u, n / 81u); }
 bool crossed(uint edge) {
@@ -50,7 +50,7 @@ uint byte_of(uint set, uint n) { return cells[set][n >> 2] >> (8u * (n & 3u)) & 
 uvec4 vertex(ivec3 first, int axis, ivec3 p) {
   ivec3 q = p + along(axis);
   float vp = float(at(p)), vq = float(at(q));
-  precise float t = (127.5 - vp) / (vq - vp);
+  precise float t = (32767.5 - vp) / (vq - vp);
   precise vec3 position, normal;
   precise float squared = 0;
   for (int a = 0; a < 3; ++a) {

@@ -88,7 +88,7 @@ class ComputeSurface : public SurfaceMaker {
   const drill::ShadowVolume& shadow() const override { return shadow_; }
   std::size_t bytes() const override {
     return vertex_room_ * sizeof(scene::SceneVertex) + index_room_ * sizeof(std::uint32_t) +
-           slot_room_ * (sizeof(Place) + sizeof(DrawCommand)) + shadow_.slice() * shadow_.size(2);
+           slot_room_ * (sizeof(Place) + sizeof(DrawCommand)) + 2 * shadow_.slice() * shadow_.size(2);
   }
 
   std::size_t update(const std::vector<std::size_t>& marked) override {
@@ -183,7 +183,7 @@ class ComputeSurface : public SurfaceMaker {
                std::to_string(shadow_.size(a)));
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_3D, values_);
-    glTexStorage3D(GL_TEXTURE_3D, 1, GL_R8UI, GLsizei(shadow_.size(0)), GLsizei(shadow_.size(1)),
+    glTexStorage3D(GL_TEXTURE_3D, 1, GL_R16UI, GLsizei(shadow_.size(0)), GLsizei(shadow_.size(1)),
                    GLsizei(shadow_.size(2)));
     for (const GLenum how : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
       glTexParameteri(GL_TEXTURE_3D, how, GL_NEAREST);
@@ -197,7 +197,7 @@ class ComputeSurface : public SurfaceMaker {
     glPixelStorei(GL_UNPACK_ROW_LENGTH, GLint(shadow_.row()));
     glPixelStorei(GL_UNPACK_IMAGE_HEIGHT, GLint(shadow_.size(1)));
     glTexSubImage3D(GL_TEXTURE_3D, 0, first[0], first[1], first[2], size[0], size[1], size[2], GL_RED_INTEGER,
-                    GL_UNSIGNED_BYTE, shadow_.data() + shadow_.index(first[0] - 2, first[1] - 2, first[2] - 2));
+                    GL_UNSIGNED_SHORT, shadow_.data() + shadow_.index(first[0] - 2, first[1] - 2, first[2] - 2));
     glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
     glPixelStorei(GL_UNPACK_IMAGE_HEIGHT, 0);
   }
