@@ -4,13 +4,17 @@
 //   bench_tool_ticks [SESSIONS [TOOL...]]     (of each tool in each hole, of about 500 ticks; 20 by default, all tools)
 //   bench_tool_ticks plate [SESSIONS [TOOL...]]   (the same with a plate of 20,000 triangles on the bone, felt as a
 //   mesh)
-// Each session is run three times, and the shortest time of a tick counts: equal inputs give equal work, and what else
-// the machine does only adds to it.
+// The largest tick of a session is the median of all sessions; `felt` is a digest of every force and place, by which
+// two versions of the program are compared bit for bit. Each session is run three times, and the shortest time of a
+// tick counts: equal inputs give equal work, and what else the machine does only adds to it.
 #include <time.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <cstring>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -99,6 +103,18 @@ std::vector<haptics::HapticInput> session_of(std::mt19937_64& rng) {
 
 struct Times {
   std::vector<double> us;
+  std::vector<double> most_us;       // of each session
+  std::uint64_t felt = 1469598103u;  // a digest of every force, torque and place
+  void feel(const haptics::HapticState& s) {
+    for (const Vec3 v : {s.force_n, s.torque_n_mm, s.proxy_mm, s.axis})
+      for (const double x : {v.x, v.y, v.z}) {
+        std::uint64_t bits;
+        std::memcpy(&bits, &x, sizeof bits);
+        felt = (felt ^ bits) * 0x9e3779b97f4a7c15;
+        felt ^= felt >> 29;
+      }
+  }
+  double most_of_a_session() const { return most_us[most_us.size() / 2]; }  // the median
   double at(double share) const { return us[std::min(us.size() - 1, std::size_t(share * double(us.size())))]; }
 };
 
@@ -107,8 +123,11 @@ enum class Plate { none, voxels, mesh };
 Times times_of(const char* kind, double hole_mm, int sessions, Plate with = Plate::none) {
   voxel::HapticVolume volume = block(hole_mm, with == Plate::voxels ? top_mm + 1.01 : top_mm);
   const contact::ContactVolume contact(volume);
-  const touch::MeshSurfaces meshes({{plate(hole_mm), touch::first_mesh_shape}}, 0.00025 * voxel_mm);
-  const touch::FeltSpace space(contact, {with == Plate::mesh ? &meshes : nullptr, nullptr});
+  std::optional<touch::MeshSurfaces> meshes;
+  if (with == Plate::mesh)
+    meshes.emplace(std::vector<touch::MeshSurfaces::Part>{{plate(hole_mm), touch::first_mesh_shape}},
+                   0.00025 * voxel_mm);
+  const touch::FeltSpace space(contact, {meshes ? &*meshes : nullptr, nullptr});
   haptics::Feels feels = one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3));
   feels[touch::first_mesh_shape] = feels[1];
   const double length = haptics::tool_kind(kind).length_mm;
@@ -127,11 +146,14 @@ Times times_of(const char* kind, double hole_mm, int sessions, Plate with = Plat
         const double begin = cpu_us();
         proxy.update(inputs[i]);
         least[i] = std::min(least[i], std::max(0.0, cpu_us() - begin - cost));
+        if (round == 0) out.feel(proxy.state());
       }
     }
     out.us.insert(out.us.end(), least.begin(), least.end());
+    out.most_us.push_back(*std::max_element(least.begin(), least.end()));
   }
   std::sort(out.us.begin(), out.us.end());
+  std::sort(out.most_us.begin(), out.most_us.end());
   return out;
 }
 
@@ -146,7 +168,8 @@ void compare_plate(int sessions, const std::vector<std::string>& tools) {
     std::printf("| `%s` |", kind.name);
     for (const Plate with : {Plate::none, Plate::voxels, Plate::mesh}) {
       const Times t = times_of(kind.name, 5, sessions, with);
-      std::printf(" %.1f | %.1f | %.1f |", t.at(0.5), t.at(0.99), t.us.back());
+      std::printf(" %.1f | %.1f | %.1f (%.1f, %016llx) |", t.at(0.5), t.at(0.99), t.us.back(), t.most_of_a_session(),
+                  static_cast<unsigned long long>(t.felt));
     }
     std::printf("\n");
     std::fflush(stdout);
@@ -162,7 +185,8 @@ int main(int count, char** words) {
   }
   const int sessions = count > 1 ? std::max(1, std::atoi(words[1])) : 20;
   std::printf(
-      "| tool | points | hole, mm | ticks | p50 | p99 | p99.9 | most, us |\n|---|---|---|---|---|---|---|---|\n");
+      "| tool | points | hole, mm | ticks | p50 | p99 | p99.9 | most of a session | most, us | felt |\n"
+      "|---|---|---|---|---|---|---|---|---|---|\n");
   for (const haptics::ToolKind& kind : haptics::all_tool_kinds()) {
     if (!(kind.length_mm > 0) || kind.from_file) continue;
     if (count > 2 && std::find(words + 2, words + count, std::string(kind.name)) == words + count) continue;
@@ -170,8 +194,9 @@ int main(int count, char** words) {
       const Times t = times_of(kind.name, hole_mm, sessions);
       const std::size_t points =
           haptics::make_tool(params_of(kind.name, 0.8 * hole_mm, kind.length_mm)).points_mm.size();
-      std::printf("| `%s` | %zu | %.0f | %zu | %.0f | %.0f | %.0f | %.0f |\n", kind.name, points, hole_mm, t.us.size(),
-                  t.at(0.5), t.at(0.99), t.at(0.999), t.us.back());
+      std::printf("| `%s` | %zu | %.0f | %zu | %.0f | %.0f | %.0f | %.0f | %.0f | %016llx |\n", kind.name, points,
+                  hole_mm, t.us.size(), t.at(0.5), t.at(0.99), t.at(0.999), t.most_of_a_session(), t.us.back(),
+                  static_cast<unsigned long long>(t.felt));
       std::fflush(stdout);
     }
   }

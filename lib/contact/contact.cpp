@@ -15,12 +15,28 @@ const voxel::HapticVolume& ContactVolume::volume() const { return felt_->volume;
 const ContactParams& ContactVolume::params() const { return felt_->params; }
 double ContactVolume::smallest_side_mm() const { return felt_->smallest_side_mm; }
 
-void ContactVolume::loosen(const grid::Box& box) { felt_->blocks.loosen(box); }
+void ContactVolume::loosen(const grid::Box& box) {
+  felt_->clear.loosen(box);
+  felt_->blocks.loosen(box);
+}
 void ContactVolume::settle(const grid::Box& box) { felt_->blocks.settle(box); }
 std::uint32_t ContactVolume::loosened() const { return felt_->blocks.loosened(); }
 
 int ContactVolume::shape_at(Vec3 world_mm) const {
   return detail::usable(world_mm) ? felt_->shape_of(felt_->to_index(world_mm)) : 0;
+}
+
+void ContactVolume::clear_mm(Vec3 tip_mm, const Mat3& frame, const std::vector<Vec3>& points_mm,
+                             const std::vector<std::uint8_t>& shapes, std::vector<double>& out) const {
+  const Vec3 tip = felt_->to_index(tip_mm);
+  Mat3 turn;
+  for (std::size_t a = 0; a < 3; ++a) turn.column[a] = felt_->index_of_world * frame.column[a];
+  for (std::size_t n = 0; n < points_mm.size(); ++n)
+    out[n] = felt_->clear.clear_mm(tip + turn * points_mm[n], shapes[n]);
+}
+
+double ContactVolume::clear_beside_mm(Vec3 world_mm, int shape) const {
+  return detail::usable(world_mm) ? clear_of_cells(*felt_, felt_->to_index(world_mm), shape) : 0;
 }
 
 Contact ContactVolume::intersect(Vec3 start_mm, Vec3 end_mm, int start_shape, const TouchableFaces& faces) const {

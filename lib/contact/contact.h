@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "base/params.h"
 #include "base/vec3.h"
@@ -98,6 +99,12 @@ class ContactVolume {
 
   /// The shape that holds the point, 0 for none, beyond the lattice, and where a coordinate is not finite.
   int shape_at(Vec3 world_mm) const;
+  /// For each of some points of a tool with that tip and frame, a distance within which all is of its shape (0: none),
+  /// known at once; 0 where that is not known. It holds until something is loosened.
+  void clear_mm(Vec3 tip_mm, const Mat3& frame, const std::vector<Vec3>& points_mm,
+                const std::vector<std::uint8_t>& shapes, std::vector<double>& out) const;
+  /// The same of a place beside a surface, up to two voxels: it looks at the cells around.
+  double clear_beside_mm(Vec3 world_mm, int shape) const;
 
   /// The first touchable crossing of the segment. The walk takes its start to lie in `start_shape`, whatever the voxels
   /// say. A caller that places a point on a surface says with it on which side of the surface the point is, so that

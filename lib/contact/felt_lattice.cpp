@@ -11,7 +11,11 @@
 namespace trephine::contact {
 
 FeltLattice::FeltLattice(voxel::HapticVolume& volume_, const ContactParams& params_)
-    : volume(volume_), params(params_), table(volume_), blocks(volume_, table, !boxes()) {
+    : volume(volume_),
+      params(params_),
+      table(volume_),
+      blocks(volume_, table, !boxes()),
+      clear(volume_, table, blocks) {
   const grid::Lattice& l = volume.voxels;
   smallest_side_mm = std::min({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z});
   for (int a = 0; a < 3; ++a)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 // What the walks, the normals and the samples of a ContactVolume share.
+#include "contact/clear_blocks.h"
 #include "contact/contact.h"
 #include "contact/known_blocks.h"
 #include "contact/voxel_table.h"
@@ -22,6 +23,7 @@ struct FeltLattice {
   const ContactParams params;
   const VoxelTable table;
   KnownBlocks blocks;
+  ClearBlocks clear;
   Mat3 index_of_world;  ///< of world minus origin
   double smallest_side_mm = 1;
 };

@@ -6,23 +6,33 @@
 #include "haptics/tool.h"
 
 namespace trephine::haptics {
+namespace {
+
+constexpr double rounding_mm = 1e-6;  // far beyond what rounding moves a point
+
+}  // namespace
 
 ToolBody::ToolBody(const touch::FeltSpace& contact, std::vector<Vec3> points_mm)
-    : contact_(contact), points_mm_(std::move(points_mm)) {
+    : contact_(contact),
+      points_mm_(std::move(points_mm)),
+      shape_(points_mm_.size()),
+      clear_(contact, points_mm_, shape_),
+      longest_(points_mm_) {
   const std::size_t n = points_mm_.size();
-  at_.resize(n);
-  end_.resize(n);
-  arm_.resize(n);
-  tried_.resize(n);
-  shape_.resize(n);
-  tried_shape_.resize(n);
   met_.resize(n);
   known_.resize(n);
+  walked_.resize(n);
+  changed_.resize(n);
+  for (const Vec3 p : points_mm_) length_mm_ = std::max(length_mm_, norm(p));
   const bool boxes = contact.params().surface == contact::ContactParams::Surface::nearest;
   together_mm_ = (boxes ? 1 : 0.1) * contact.smallest_side_mm();
 }
 
-void ToolBody::begin_frame() { std::fill(known_.begin(), known_.end(), contact::ContactBox{}); }
+void ToolBody::begin_frame() {
+  if (walks_) std::fill(known_.begin(), known_.end(), contact::ContactBox{});
+  walks_ = false;
+  clear_.begin_frame();
+}
 
 bool ToolBody::place(Vec3 tip_mm, const Mat3& frame, std::uint64_t avoid) {
   const auto barred = [&](Vec3 at, int* shape) {
@@ -36,9 +46,9 @@ bool ToolBody::place(Vec3 tip_mm, const Mat3& frame, std::uint64_t avoid) {
   tip_mm_ = tip_mm;
   frame_ = frame;
   begin_frame();
+  clear_.forget();
   for (std::size_t i = 0; i < points_mm_.size(); ++i) {
-    at_[i] = tip_mm + frame * points_mm_[i];
-    const bool bar = barred(at_[i], &shape);
+    const bool bar = barred(at_mm(int(i)), &shape);
     shape_[i] = std::uint8_t(shape);
     if (bar) {
       barred_ = i;
@@ -51,68 +61,86 @@ bool ToolBody::place(Vec3 tip_mm, const Mat3& frame, std::uint64_t avoid) {
 ToolBody::Meeting ToolBody::sweep(Vec3 tip_mm, const Mat3& frame, const contact::TouchableFaces& faces) {
   to_mm_ = tip_mm;
   to_frame_ = frame;
-  double longest = 0;
-  for (std::size_t i = 0; i < points_mm_.size(); ++i) {
-    arm_[i] = frame * points_mm_[i];
-    end_[i] = tip_mm + arm_[i];
-    const Vec3 d = end_[i] - at_[i];
-    longest = std::max(longest, dot(d, d));
-  }
-  longest = std::sqrt(longest);
-  const double together = longest > together_mm_ ? together_mm_ / longest : 1;
+  walked_count_ = 0;
   Meeting m;
-  double until = 1;  // contacts beyond this share of the way do not matter
+  const touch::ClearPoints::Way way = clear_.way(tip_mm_, frame_, tip_mm, frame);
+  touch::ClearPoints::Moved moved = way.until(1);
+  if (clear_.all_are(moved)) return m;
+  double until = 1, together = 1;  // contacts beyond this share of the way do not matter
   const auto walk_point = [&](std::size_t i) {
+    const Vec3 from = at_mm(int(i)), whole = tip_mm + frame * points_mm_[i];
+    const Vec3 to = until < 1 ? from + (whole - from) * until : whole;
+    if (clear_.is(i, from, to)) return;
+    walked_[std::size_t(walked_count_++)] = int(i);
     contact::Contact& c = met_[i];
-    c = walk(i, until < 1 ? at_[i] + (end_[i] - at_[i]) * until : end_[i], faces);
+    c = walk(i, from, to, faces);
     if (!c.hit) return;
     c.along *= until;
     if (m.hit && c.along >= m.along) return;
+    if (!m.hit) {
+      const double most_mm = norm(tip_mm - tip_mm_) + touch::turn_between(frame_, frame) * length_mm_;
+      const double longest = most_mm + rounding_mm > together_mm_ ? longest_.of(tip_mm_, frame_, tip_mm, frame) : 0;
+      together = longest > together_mm_ ? together_mm_ / longest : 1;
+    }
     m.hit = true;
     m.along = c.along;
     m.nearest = int(i);
     until = std::min(1.0, m.along + together);
+    moved = way.until(until);
   };
   walk_point(std::size_t(first_));
   for (std::size_t i = 0; i < points_mm_.size(); ++i)
-    if (i != std::size_t(first_)) walk_point(i);
+    if (i != std::size_t(first_) && !clear_.is(i, moved)) walk_point(i);
   if (!m.hit) return m;
   m.from_tip = m.from_tail = first_ = m.nearest;
-  for (int i = 0; i < count(); ++i)
-    if (met(i).hit && met(i).along <= until) {
-      m.from_tip = std::min(m.from_tip, i);
-      m.from_tail = std::max(m.from_tail, i);
-    }
+  for (int n = 0; n < walked_count_; ++n) {
+    const int i = walked_[std::size_t(n)];
+    if (!met(i).hit || met(i).along > until) continue;
+    m.from_tip = std::min(m.from_tip, i);
+    m.from_tail = std::max(m.from_tail, i);
+  }
   return m;
 }
 
 void ToolBody::arrive() {
   tip_mm_ = to_mm_;
   frame_ = to_frame_;
-  std::swap(at_, end_);
-  for (std::size_t i = 0; i < at_.size(); ++i) enter(i, met_[i].into);
+  for (int n = 0; n < walked_count_; ++n) {
+    const auto i = std::size_t(walked_[std::size_t(n)]);
+    enter(i, met_[i].into);
+  }
 }
 
 void ToolBody::enter(std::size_t point, int shape) {
   if (shape_[point] == shape) return;
   shape_[point] = std::uint8_t(shape);
   known_[point] = {};
+  clear_.changed(point);
 }
 
 // Moves to the pose if no point meets anything. Without `all`, only points that met or passed a face are looked at.
 bool ToolBody::try_pose(Vec3 tip_mm, const Mat3& frame, const contact::TouchableFaces& faces, bool all) {
-  for (std::size_t i = 0; i < at_.size(); ++i) {
-    tried_[i] = tip_mm + frame * points_mm_[i];
-    tried_shape_[i] = shape_[i];
-    if (!all && !met_[i].hit && !met_[i].passed) continue;
-    const contact::Contact c = walk(i, tried_[i], faces);
-    if (c.hit) return false;
-    tried_shape_[i] = std::uint8_t(c.into);
+  int changes = 0;
+  const auto meets = [&](std::size_t i) {
+    const Vec3 from = at_mm(int(i)), to = tip_mm + frame * points_mm_[i];
+    if (clear_.is(i, from, to)) return false;
+    const contact::Contact c = walk(i, from, to, faces);
+    if (!c.hit && c.into != shape_[i]) changed_[std::size_t(changes++)] = {i, c.into};
+    return c.hit;
+  };
+  if (all) {
+    const touch::ClearPoints::Moved moved = clear_.way(tip_mm_, frame_, tip_mm, frame).until(1);
+    for (std::size_t i = 0; i < points_mm_.size(); ++i)
+      if (!clear_.is(i, moved) && meets(i)) return false;
+  } else {
+    for (int n = 0; n < walked_count_; ++n) {
+      const auto i = std::size_t(walked_[std::size_t(n)]);
+      if ((met_[i].hit || met_[i].passed) && meets(i)) return false;
+    }
   }
   tip_mm_ = tip_mm;
   frame_ = frame;
-  std::swap(at_, tried_);
-  for (std::size_t i = 0; i < at_.size(); ++i) enter(i, tried_shape_[i]);
+  for (int n = 0; n < changes; ++n) enter(changed_[std::size_t(n)].point, changed_[std::size_t(n)].into);
   return true;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/vec3.h"
+#include "touch/clear_points.h"
 #include "touch/felt_space.h"
 
 namespace trephine::haptics {
@@ -21,7 +22,7 @@ class ToolBody {
   int count() const { return int(points_mm_.size()); }
   Vec3 tip_mm() const { return tip_mm_; }
   const Mat3& frame() const { return frame_; }
-  Vec3 at_mm(int point) const { return at_[std::size_t(point)]; }
+  Vec3 at_mm(int point) const { return tip_mm_ + frame_ * points_mm_[std::size_t(point)]; }
   int shape(int point) const { return shape_[std::size_t(point)]; }
 
   /// Puts the body there, each point in whatever shape is there. Returns false where a point lies in a shape whose bit
@@ -31,7 +32,7 @@ class ToolBody {
   /// How many points place() has examined so far, as a measure of its cost.
   std::uint64_t looked_at() const { return looked_at_; }
 
-  /// Must be called once in each frame: it forgets what was learnt of the volume, which may have been cut since.
+  /// Must be called once in each frame: it forgets what was learnt of the volume where it may have been cut since.
   void begin_frame();
 
   /// What a sweep meets: the point that collides first, and of those that collide with it (within a tenth of the
@@ -45,10 +46,9 @@ class ToolBody {
   /// Walks every point's straight way to that pose, without moving the body.
   Meeting sweep(Vec3 tip_mm, const Mat3& frame, const contact::TouchableFaces& faces);
   const contact::Contact& met(int point) const { return met_[std::size_t(point)]; }  ///< without a normal
-  Vec3 way(int point) const { return end_[std::size_t(point)] - at_[std::size_t(point)]; }
-  Vec3 arm(int point) const {
-    return arm_[std::size_t(point)];
-  }  ///< vector from the tip to the point, at the pose that was swept to
+  Vec3 way(int point) const { return to_mm_ + arm(point) - at_mm(point); }
+  /// From the tip to the point, at the pose that was swept to.
+  Vec3 arm(int point) const { return to_frame_ * points_mm_[std::size_t(point)]; }
 
   /// Moves to the end of the last sweep, which met nothing.
   void arrive();
@@ -57,19 +57,31 @@ class ToolBody {
   bool advance(double share, const contact::TouchableFaces& faces);
 
  private:
-  contact::Contact walk(std::size_t point, Vec3 end_mm, const contact::TouchableFaces& faces) {
-    return contact_.cross(at_[point], end_mm, shape_[point], faces, &known_[point]);
+  contact::Contact walk(std::size_t point, Vec3 from_mm, Vec3 end_mm, const contact::TouchableFaces& faces) {
+    walks_ = true;
+    return contact_.cross(from_mm, end_mm, shape_[point], faces, &known_[point]);
   }
   void enter(std::size_t point, int shape);
   bool try_pose(Vec3 tip_mm, const Mat3& frame, const contact::TouchableFaces& faces, bool all);
   const touch::FeltSpace& contact_;
   std::vector<Vec3> points_mm_;
+  double length_mm_ = 0;  // from the tip to the point that is farthest
   Vec3 tip_mm_, to_mm_;
   Mat3 frame_, to_frame_;
-  std::vector<Vec3> at_, end_, arm_, tried_;
-  std::vector<std::uint8_t> shape_, tried_shape_;
+  std::vector<std::uint8_t> shape_;
+  touch::ClearPoints clear_;
+  touch::LongestWay longest_;
   std::vector<contact::Contact> met_;
   std::vector<contact::ContactBox> known_;
+  bool walks_ = false;  // something may be known
+  // Points that the last sweep walked; all others were known to meet and to pass nothing.
+  std::vector<int> walked_;
+  int walked_count_ = 0;
+  struct Change {
+    std::size_t point;
+    int into;
+  };
+  std::vector<Change> changed_;  // by the pose that is tried
   double together_mm_;
   std::size_t barred_ = 0;  // the point that place() found last
   std::uint64_t looked_at_ = 0;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <algorithm>
 #include <cstdint>
+#include <vector>
 
 #include "contact/contact.h"
 #include "touch/mesh_surfaces.h"
@@ -30,6 +32,16 @@ class FeltSpace {
   const contact::ContactParams& params() const { return volume_.params(); }
   double smallest_side_mm() const { return volume_.smallest_side_mm(); }
   int shape_at(Vec3 place_mm) const { return volume_.shape_at(place_mm); }
+  /// As ContactVolume says, with no surface within that distance either.
+  void clear_mm(Vec3 tip_mm, const Mat3& frame, const std::vector<Vec3>& points_mm,
+                const std::vector<std::uint8_t>& shapes, std::vector<double>& out) const {
+    volume_.clear_mm(tip_mm, frame, points_mm, shapes, out);
+    for (std::size_t n = 0; beside_.meshes && n < points_mm.size(); ++n)
+      out[n] = nearer_mesh(out[n], tip_mm + frame * points_mm[n]);
+  }
+  double clear_beside_mm(Vec3 place_mm, int shape) const {
+    return nearer_mesh(volume_.clear_beside_mm(place_mm, shape), place_mm);
+  }
   const MeshSurfaces* meshes() const { return beside_.meshes; }
   std::uint64_t line_lock() const { return beside_.line_lock; }
 
@@ -58,6 +70,9 @@ class FeltSpace {
   }
 
  private:
+  double nearer_mesh(double clear_mm, Vec3 place_mm) const {
+    return beside_.meshes && clear_mm > 0 ? std::min(clear_mm, beside_.meshes->clear_mm(place_mm)) : clear_mm;
+  }
   bool may_meet(Vec3 start_mm, const contact::Contact& felt) const {
     return beside_.meshes && beside_.meshes->may_meet(start_mm, felt.point_mm);
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -72,6 +73,8 @@ class MeshSurfaces {
     const Vec3 way = to_mm - from_mm;
     return !(least > 0 && dot(way, way) < least * least);
   }
+  /// A distance within which no skin is, said at once.
+  double clear_mm(Vec3 place_mm) const { return std::max(0.0, far_.least_mm(place_mm - origin_mm_) - skin_mm_); }
   /// The first place of the way from one point to another where it enters the skin of a surface of those shapes.
   /// `point_mm` lies on the facet.
   Meeting first_met(Vec3 from_mm, Vec3 to_mm, std::uint64_t shapes) const;
