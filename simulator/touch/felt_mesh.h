@@ -40,6 +40,15 @@ class FeltMesh {
   /// on a facet's plane, to the last bit, begins in front of it; one that begins behind it does not meet it.
   Crossing first_crossing(Vec3 from, Vec3 to, const std::uint32_t* but = nullptr, int buts = 0) const;
 
+  static surface::FloatBox box_around(Vec3 from, Vec3 to, double reach_mm) {
+    surface::FloatBox box;
+    const Vec3 reach{reach_mm, reach_mm, reach_mm};
+    for (const Vec3 end : {from, to}) {
+      box.add(end - reach);
+      box.add(end + reach);
+    }
+    return box;
+  }
   /// Calls look(triangle) for each facet whose box comes within `reach_mm` of the segment, piece by piece from its
   /// begin; where `along`, which look() may lower, lies in the pieces so far, the search ends.
   template <class Look>
@@ -61,19 +70,12 @@ class FeltMesh {
 
 template <class Look>
 void FeltMesh::look_along(Vec3 from, Vec3 to, double reach_mm, const double& along, const Look& look) const {
-  const Vec3 way = to - from, reach{reach_mm, reach_mm, reach_mm};
+  const Vec3 way = to - from;
   const int pieces = std::max(1, int(std::ceil(norm(way) / piece_mm_)));
   for (int piece = 0; piece < pieces; ++piece) {
-    surface::FloatBox box;
-    for (const Vec3 end :
-         {from + way * (double(piece) / pieces), piece + 1 < pieces ? from + way * (double(piece + 1) / pieces) : to}) {
-      if (!(reach_mm > 0)) {
-        box.add(end);
-        continue;
-      }
-      box.add(end - reach);
-      box.add(end + reach);
-    }
+    const surface::FloatBox box =
+        box_around(from + way * (double(piece) / pieces),
+                   piece + 1 < pieces ? from + way * (double(piece + 1) / pieces) : to, reach_mm);
     tree_.for_each_leaf(box, 0, [&](std::size_t leaf) {
       const std::size_t end = std::min(surface::TriangleTree::width * (leaf + 1), tree_.order().size());
       for (std::size_t n = surface::TriangleTree::width * leaf; n < end; ++n)

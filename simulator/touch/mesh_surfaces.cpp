@@ -78,7 +78,11 @@ double MeshSurfaces::Line::from_it(Vec3 place) const {
 }
 
 MeshSurfaces::MeshSurfaces(const std::vector<Part>& parts, double skin_mm)
-    : mesh_(together(parts)), far_(mesh_.mesh(), mesh_.tree()), origin_mm_(mesh_.mesh().origin_mm), skin_mm_(skin_mm) {
+    : mesh_(together(parts)),
+      far_(mesh_.mesh(), mesh_.tree()),
+      cells_(mesh_.tree(), skin_mm),
+      origin_mm_(mesh_.mesh().origin_mm),
+      skin_mm_(skin_mm) {
   sides_.reserve(triangles());
   shape_.reserve(triangles());
   for (const Part& part : parts) {
@@ -137,11 +141,24 @@ MeshSurfaces::Meeting MeshSurfaces::first_met(Vec3 from_mm, Vec3 to_mm, std::uin
   const Vec3 from = from_mm - origin_mm_, way = to_mm - from_mm;
   if ((shapes & shapes_) == 0 || !may_meet(from_mm, to_mm)) return first;
   double until = 2;
-  mesh_.look_along(from, from + way, skin_mm_, until, [&](std::uint32_t t) {
+  const auto look = [&](std::uint32_t t) {
     if (!(shapes >> shape_[t] & 1)) return;
     enter(t, from, way, first);
     if (first.shape != 0) until = first.along;
-  });
+  };
+  if (!cells_.known()) {
+    mesh_.look_along(from, from + way, skin_mm_, until, look);
+  } else {  // by pieces, of which each ends within reach of the cell where it begins
+    const int pieces = std::max(1, int(std::ceil(norm(way) / cells_.reach_mm())));
+    for (int piece = 0; piece < pieces && until > double(piece) / pieces; ++piece) {
+      const Vec3 begin = from + way * (double(piece) / pieces), end = from + way * (double(piece + 1) / pieces);
+      if (!may_meet(begin + origin_mm_, end + origin_mm_)) continue;
+      const surface::FloatBox box = FeltMesh::box_around(begin, end, skin_mm_);
+      cells_.for_each(begin, [&](std::uint32_t n) {
+        if (mesh_.tree().box(n).meets(box)) look(mesh_.tree().order()[n]);
+      });
+    }
+  }
   if (first.shape != 0) first.point_mm += origin_mm_;
   return first;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "surface/inside_query.h"
+#include "touch/facet_cells.h"
 #include "touch/far_field.h"
 #include "touch/felt_mesh.h"
 #include "touch/line_distance.h"
@@ -122,6 +123,7 @@ class MeshSurfaces {
   Meeting meeting(const Line& line, const Place& place) const;
   FeltMesh mesh_;
   FarField far_;
+  FacetCells cells_;
   Vec3 origin_mm_;
   std::vector<Sides> sides_;
   std::vector<std::uint8_t> shape_;
