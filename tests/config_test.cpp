@@ -7,6 +7,7 @@
 #include "config/config.h"
 #include "config/yaml_document.h"
 #include "grid/resample.h"
+#include "meshing/contour.h"
 #include "meshing/decimate.h"
 #include "pipeline/graph.h"
 #include "scratch_folder.h"
@@ -89,6 +90,25 @@ TEST(Config, WhatWins) {
   config::ConfigOverrides overrides;
   overrides.set = {"skull.decimate.max_deviation_mm=0.125"};
   EXPECT_EQ(decimation(config::read_case_config(set.config, overrides)).max_deviation_mm, 0.125);
+}
+
+TEST(Config, TheContourHasAShareOfDecimationsBound) {
+  const auto shares = [](const std::string& bound, std::vector<std::string> flags = {}) {
+    config::ConfigOverrides overrides;
+    overrides.set = std::move(flags);
+    const std::string scene = "trephine: 1\nanatomies: {skull: {max_deviation_mm: " + bound + "}}\n";
+    const config::CaseConfig c = config::read_case_config(Files(beginning, recipe, scene).config, overrides);
+    const double used = c.find_anatomy("skull")->find_step("contour")->params.as<meshing::ContourParams>().within_mm;
+    EXPECT_EQ(decimation(c).input_within_mm, used);
+    return used;
+  };
+  EXPECT_EQ(shares("1.2"), 1.2 / 6);
+  EXPECT_EQ(shares("0.3"), 0);  // a tight bound leaves the contour as it is
+  EXPECT_EQ(shares("1.2", {"skull.decimate.max_deviation_mm=0.1"}), 0);
+  EXPECT_EQ(shares("1.2", {"skull.decimate.max_deviation_mm=0"}), 0);
+  EXPECT_EQ(shares("0.3", {"skull.decimate.max_deviation_mm=2.4"}), 2.4 / 6);
+  EXPECT_EQ(shares("1.2", {"skull.contour.within_mm=0"}), 0);
+  EXPECT_EQ(shares("0.3", {"skull.contour.within_mm=0.15"}), 0.15);
 }
 
 TEST(Config, TheScenesDeviationIsDecimationsBudgetLessSmoothings) {

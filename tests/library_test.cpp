@@ -162,10 +162,10 @@ TEST_F(Library, SettingsChangeWithWhatCountsOnly) {
   EXPECT_EQ(settings().sha256, first.sha256);
   one.set = {"brain.decimate.max_deviation_mm=0.7"};
   EXPECT_EQ(settings().sha256, first.sha256) << "of an anatomy that the scene does not show";
-  one.set = {"skull.decimate.max_deviation_mm=0.7"};
+  one.set = {"skull.decimate.max_deviation_mm=0.4"};
   const auto lines = library::explain_difference(first.values, settings().values);
   ASSERT_EQ(lines.size(), 1u) << lines[0];
-  EXPECT_EQ(lines[0].rfind("skull.decimate.max_deviation_mm: 0.7, was ", 0), 0u) << lines[0];
+  EXPECT_EQ(lines[0].rfind("skull.decimate.max_deviation_mm: 0.4, was ", 0), 0u) << lines[0];
   one.set.clear();
   scene("anatomies: {skull: {max_triangles: 5000}}\nface: {policy: keep, reason: synthetic}\n");
   EXPECT_NE(settings().sha256, first.sha256);

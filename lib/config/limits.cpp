@@ -83,6 +83,26 @@ void keep_rule(ConfigReading& r) {
   }
 }
 
+/// Of the bound of a decimation that reads a contour the contour may use this share at once, where it is not too little
+/// to save triangles (docs/developers/decisions.md, 42). Who sets decimation to 0 or to a tight bound gets all
+/// triangles.
+void share_with_contour(ConfigReading& r, const std::string& name) {
+  constexpr double share = 1.0 / 6, least_mm = 0.08;
+  const auto recipe = std::find_if(r.out.anatomies.begin(), r.out.anatomies.end(),
+                                   [&](const RecipeAnatomy& a) { return a.name == name; });
+  if (recipe == r.out.anatomies.end()) return;
+  for (std::size_t i = 0; i + 1 < recipe->steps.size(); ++i) {
+    const std::string first = name + "." + recipe->steps[i].type->name,
+                      next = name + "." + recipe->steps[i + 1].type->name;
+    const std::string used = first + ".within_mm", known = next + ".input_within_mm";
+    if (!r.values.has(used) || !r.values.has(known)) continue;
+    const double part_mm = share * r.values.number(next + ".max_deviation_mm", 0);
+    if (r.values.origin(used).source == ValueSource::standard && part_mm >= least_mm)
+      r.values.set_value(used, part_mm, {ValueSource::rule, "a sixth of " + next + ".max_deviation_mm", {}});
+    r.values.set_value(known, r.values.number(used, 0), {ValueSource::rule, used, {}});
+  }
+}
+
 }  // namespace
 
 void share_out_limits(ConfigReading& reading) {
@@ -90,6 +110,8 @@ void share_out_limits(ConfigReading& reading) {
   for (const SceneAnatomy& wanted : reading.out.scene)
     for (const std::string& name : names_of(wanted)) share_out_deviation(reading, wanted, name);
   keep_rule(reading);
+  for (const SceneAnatomy& wanted : reading.out.scene)
+    for (const std::string& name : names_of(wanted)) share_with_contour(reading, name);
 }
 
 }  // namespace trephine::config

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "meshing/collapse_mesh.h"
-#include "meshing/place_list.h"
 #include "surface/incidence.h"
+#include "surface/place_list.h"
 #include "surface/trimesh.h"
 
 namespace trephine::meshing {
@@ -25,7 +25,7 @@ class CarriedPoints {
   /// The working memory of one thread between gather, assign and commit.
   struct Hand {
     std::vector<std::uint32_t> points;
-    PlaceList places;
+    surface::PlaceList places;
     std::vector<Ball> balls;                                ///< around the corners' triangles
     std::vector<std::pair<std::uint32_t, float>> assigned;  ///< per point: number of the corners, squared distance
     std::vector<std::pair<std::uint32_t, std::uint32_t>> sorted;  ///< the points with their place in `points`

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <type_traits>
 
@@ -10,8 +11,10 @@
 #include "base/parallel.h"
 #include "base/refusal.h"
 #include "meshing/enclosed.h"
+#include "meshing/exact.h"
 #include "meshing/marching_cubes.h"
 #include "meshing/validity.h"
+#include "surface/cell_merge.h"
 #include "surface/incidence.h"
 
 namespace trephine::meshing {
@@ -55,6 +58,12 @@ void to_patient(surface::TriMesh& mesh, const grid::Lattice& lattice) {
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
 }
 
+/// Back to continuous indices, about as far as float32 allows.
+Vec3 to_index(const surface::TriMesh& mesh, const grid::Lattice& lattice, Vec3 p) {
+  const Vec3 s = lattice.spacing_mm, q = transpose_times(lattice.direction, p - (lattice.origin_mm - mesh.origin_mm));
+  return {q.x / s.x, q.y / s.y, q.z / s.z};
+}
+
 /// Moves the points of the triangles, and of the triangles around them, away from the ends of their lattice edges.
 std::size_t draw_in(surface::TriMesh& mesh, const grid::Lattice& lattice, const std::vector<std::uint32_t>& triangles,
                     double margin) {
@@ -69,8 +78,7 @@ std::size_t draw_in(surface::TriMesh& mesh, const grid::Lattice& lattice, const 
   std::size_t moved = 0;
   for (std::size_t i = 0; i < around.size(); ++i) {
     if (!around[i]) continue;
-    const Vec3 q = transpose_times(lattice.direction, mesh.points_mm[i] - offset);
-    Vec3 p{q.x / s.x, q.y / s.y, q.z / s.z};
+    Vec3 p = to_index(mesh, lattice, mesh.points_mm[i]);
     int axis = 0;  // the one along which the point lies between two samples
     const auto off = [&p](int a) { return std::abs(p[a] - std::nearbyint(p[a])); };
     for (int a = 1; a < 3; ++a)
@@ -85,24 +93,42 @@ std::size_t draw_in(surface::TriMesh& mesh, const grid::Lattice& lattice, const 
   return moved;
 }
 
-/// Rounds the mesh to float32 and makes it valid there: where rounding makes it invalid, points are moved further from
-/// the ends of their edges. Counts the points that moved.
-Validity make_valid(surface::TriMesh& mesh, const grid::Lattice& lattice, std::size_t& moved,
-                    const Progress& progress) {
-  moved = 0;
+/// Divides the boxes in which the triangles lie; false: none of them holds merged triangles.
+bool divide_at(surface::CellMerge& merge, const surface::TriMesh& mesh, const grid::Lattice& lattice,
+               const std::vector<std::uint32_t>& triangles, ContourResult& result, const Progress& progress) {
+  std::vector<Vec3> places;
+  for (const std::uint32_t t : triangles) {
+    const auto& v = mesh.triangles[t];
+    places.push_back(to_index(mesh, lattice, (mesh.points_mm[v[0]] + mesh.points_mm[v[1]] + mesh.points_mm[v[2]]) / 3));
+  }
+  const std::size_t count = merge.divide(places, progress);
+  result.merged->boxes_divided_count += count;
+  return count > 0;
+}
+
+/// Rounds the mesh to float32 and makes it valid there. Where it is invalid, boxes of merged triangles are divided;
+/// where there are none left, rounding is the cause, and points are moved further from the ends of their edges.
+Validity make_valid(surface::TriMesh& mesh, const grid::Lattice& lattice, surface::CellMerge* merge,
+                    ContourResult& result, const Progress& progress) {
   double margin = first_margin;
   for (;;) {
     progress.check();
     snap_to_float32(mesh);
-    const Validity v = check_validity(mesh, progress, &lattice);
+    const Validity v = check_validity(mesh, progress, merge ? nullptr : &lattice);
     if (v.valid()) return v;
-    margin = std::min(2.5 * margin, 1.0);
     std::vector<std::uint32_t> faults = degenerate_triangles(mesh);
     for (const auto& pair : self_intersections(mesh, progress)) faults.insert(faults.end(), pair.begin(), pair.end());
+    if (merge && divide_at(*merge, mesh, lattice, faults, result, progress)) {
+      mesh = merge->mesh();
+      to_patient(mesh, lattice);
+      continue;
+    }
+    merge = nullptr;
+    margin = std::min(2.5 * margin, 1.0);
     if (faults.empty() || margin > last_margin)
       throw refusal("contour", v.text(),
                     {"this is a fault of the program: an `isovalue_hu` a little higher or lower may go round it"});
-    moved += draw_in(mesh, lattice, faults, margin);
+    result.points_drawn_in_count += draw_in(mesh, lattice, faults, margin);
   }
 }
 
@@ -112,15 +138,25 @@ Outcome<surface::TriMesh, ContourResult> contour_grid(const grid::Grid<T>& grid,
   const InsideVoxels inside = find_inside(grid, isovalue);
   require_surface(grid, inside);
   surface::TriMesh mesh = marching_cubes(grid, isovalue, inside, first_margin, progress.part(0, 0.4));
-  to_patient(mesh, grid);
+  const bool merges = params.within_mm > 0;
+  if (!merges) to_patient(mesh, grid);
   int pieces = 2;
   const int cavities = params.keep_cavities ? 0 : drop_cavities(mesh, pieces, progress.part(0.4, 0.5));
   // Marching cubes leave one fan a point.
-  const int small = pieces < 2 ? 0 : surface::keep_large_fan_components(mesh, params.min_component_mm3);
-  std::size_t moved = 0;
-  const Validity v = make_valid(mesh, grid, moved, progress.part(0.5, 0.95));
-
+  const double unit_mm3 = merges ? grid.voxel_volume_mm3() : 1;
+  const int small = pieces < 2 ? 0 : surface::keep_large_fan_components(mesh, params.min_component_mm3 / unit_mm3);
   ContourResult result;
+  surface::TriMesh cubes;
+  std::optional<surface::CellMerge> merge;
+  if (merges) {
+    cubes = std::move(mesh);
+    merge.emplace(cubes, grid.spacing_mm, params.within_mm, triangles_intersect, progress.part(0.5, 0.6));
+    result.merged = {params.within_mm, cubes.triangles.size(), 0};
+    mesh = merge->mesh();
+    to_patient(mesh, grid);
+  }
+  const Validity v = make_valid(mesh, grid, merge ? &*merge : nullptr, result, progress.part(0.6, 0.95));
+
   result.inside_voxels_count = inside.count;
   result.triangles_count = mesh.triangles.size();
   result.points_count = mesh.points_mm.size();
@@ -129,7 +165,6 @@ Outcome<surface::TriMesh, ContourResult> contour_grid(const grid::Grid<T>& grid,
   result.genus_count = v.topology.genus;
   result.small_components_dropped_count = small;
   result.cavities_dropped_count = cavities;
-  result.points_drawn_in_count = moved;
   progress.report(1);
   return {std::move(mesh), result, {}};
 }

@@ -12,6 +12,7 @@ struct ContourParams {
   double isovalue_hu = 226.5;
   double min_component_mm3 = 50;
   bool keep_cavities = false;
+  double within_mm = 0;
   template <class V>
   static void describe(V& v) {
     using P = ContourParams;
@@ -21,6 +22,23 @@ struct ContourParams {
              "Separate pieces below this volume are left out; the largest piece always stays.");
     v.flag(&P::keep_cavities, "keep_cavities",
            "Keep the inner surfaces of enclosed cavities, and everything within them.");
+    v.number(&P::within_mm, "within_mm", Range{0, 100},
+             "Triangles are merged where the surface then lies within this of what it was, in either direction; 0: "
+             "nowhere.");
+  }
+};
+
+/// Of a surface whose triangles were merged.
+struct MergedFigures {
+  double within_proven_mm = 0;
+  std::size_t triangles_before_count = 0, boxes_divided_count = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = MergedFigures;
+    v.number(&P::within_proven_mm, "within_proven_mm", Range{}, "How far the merged surface lies off at most, proven.");
+    v.integer(&P::triangles_before_count, "triangles_before_count", Range{}, "Triangles before they were merged.");
+    v.integer(&P::boxes_divided_count, "boxes_divided_count", Range{},
+              "Boxes that were divided again, so that the surface is valid.");
   }
 };
 
@@ -36,6 +54,7 @@ struct ContourResult {
   std::int64_t small_components_dropped_count = 0;
   std::int64_t cavities_dropped_count = 0;
   std::size_t points_drawn_in_count = 0;
+  std::optional<MergedFigures> merged;
   template <class V>
   static void describe(V& v) {
     using P = ContourResult;
@@ -51,6 +70,7 @@ struct ContourResult {
     v.integer(&P::cavities_dropped_count, "cavities_dropped_count", Range{}, "Cavities that were dropped.");
     v.integer(&P::points_drawn_in_count, "points_drawn_in_count", Range{},
               "Points that were drawn in, so that the surface is valid.");
+    v.all_of(&P::merged);
   }
 };
 
@@ -65,6 +85,10 @@ struct ContourResult {
 /// its ends, and more (up to 0.05) in the few places where float32 needs it: the surface may lie that far from the
 /// interpolated one, and samples equal to the isovalue do no harm. In integer volumes an integer isovalue is lowered by
 /// 1/2, so that a voxel of exactly that value is inside; the report's isovalue_hu is the effective one.
+///
+/// Where within_mm is not 0, triangles are merged (surface/cell_merge.h): flat parts have fewer, and the surface
+/// lies within that bound of marching cubes' own, which is proven. Components and genus are the same, and every point
+/// is one where the field crosses the isovalue.
 ///
 /// Throws Error 80, naming the count of inside voxels, where no voxel, every voxel or only voxels of a single slice are
 /// inside; 65 where a sample is not finite; 80 where no valid surface can be made.

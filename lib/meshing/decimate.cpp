@@ -169,9 +169,17 @@ Collapsed collapse_all(const surface::TriMesh& input, std::size_t target, double
 
 }  // namespace
 
+std::string DecimateParams::fault() const {
+  return max_deviation_mm > 0 && input_within_mm >= max_deviation_mm
+             ? "input_within_mm: must be less than max_deviation_mm"
+             : "";
+}
+
 Outcome<surface::TriMesh, DecimateResult> decimate(const surface::TriMesh& mesh, const DecimateParams& params,
                                                    const Progress& progress) {
   surface::check_mesh(mesh);
+  if (!params.fault().empty())
+    throw Error(ExitCode::usage, "", "input_within_mm", "must be less than max_deviation_mm");
   surface::TriMesh copy;
   if (!fit(mesh)) {
     copy = mesh;
@@ -188,7 +196,8 @@ Outcome<surface::TriMesh, DecimateResult> decimate(const surface::TriMesh& mesh,
   const char* stopped_by = "count";
   const bool collapsed = target != 0 && input.triangles.size() > target;
   if (collapsed) {
-    o = collapse_all(input, target, params.max_deviation_mm, progress);
+    const double rest_mm = params.max_deviation_mm > 0 ? params.max_deviation_mm - params.input_within_mm : 0;
+    o = collapse_all(input, target, rest_mm, progress);
     if (o.mesh.triangles.size() > target) stopped_by = o.limited ? "deviation" : "validity";
   } else {
     o.mesh = input;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
+#include <string>
 
 #include "base/params.h"
 #include "base/progress.h"
@@ -13,6 +14,7 @@ struct DecimateParams {
   std::int64_t target_triangles_count = 0;
   double keep_ratio = 0;
   double max_deviation_mm = 0.3;
+  double input_within_mm = 0;
   template <class V>
   static void describe(V& v) {
     using P = DecimateParams;
@@ -22,7 +24,11 @@ struct DecimateParams {
              "Stop at this share of the triangles; 0: no such limit. Of the two counts the larger one applies.");
     v.number(&P::max_deviation_mm, "max_deviation_mm", Range{0, 1e6},
              "Largest distance between the surface and the input, in either direction; 0: no such limit.");
+    v.number(&P::input_within_mm, "input_within_mm", Range{0, 100},
+             "How far the input may lie from what max_deviation_mm holds for, as `contour` merged triangles; 0: it is "
+             "that itself.");
   }
+  std::string fault() const;
 };
 
 /// What is printed of a decimation.
@@ -72,10 +78,12 @@ struct DecimateResult {
 /// collapses are undone. The bound is exact except for the input's rounding to float32 (half a unit in the last place
 /// of its coordinates about its origin, 4e-6 mm for a head). deviation_max_mm is the largest of the samples, which is
 /// kept within 0.9 of the bound, so that few proofs fail. A point between samples can lie further, up to the bound,
-/// which the report repeats as deviation_proven_mm.
+/// which the report repeats as deviation_proven_mm. Where the input itself lies within input_within_mm of another
+/// surface, max_deviation_mm holds for that one: only the rest of it is used here.
 ///
-/// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not closed, 2-manifold
-/// and free of self-intersections, or no limit can be kept.
+/// Throws Error 64 where input_within_mm is no less than max_deviation_mm; 65 where the mesh is not finite or its
+/// indices are out of range; 80 where it is not closed, 2-manifold and free of self-intersections, or no limit can be
+/// kept.
 Outcome<surface::TriMesh, DecimateResult> decimate(const surface::TriMesh& mesh, const DecimateParams& params,
                                                    const Progress& progress = {});
 

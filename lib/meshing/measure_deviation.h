@@ -52,7 +52,7 @@ class DeviationMeter {
   /// What one thread needs.
   struct Room {
     std::vector<std::uint32_t> points;  ///< some of the input near the triangle
-    PlaceList places;
+    surface::PlaceList places;
     std::vector<NearbyPlace> samples;
     bool lacks_tree = false;
     std::vector<std::array<NearbyPlace, 3>> stack;

@@ -144,13 +144,13 @@ class Builder {
 
   // Adds up the bounds that were given to the stages which moved the surface, and what these stages used of them.
   void add_budget(const config::RecipeAnatomy& recipe, cases::CaseAnatomy& out) const {
-    for (const config::RecipeStep& step : recipe.steps)
+    for (const config::RecipeStep& step : recipe.steps) {
       for (const char* bound : {"max_deviation_mm", "max_displacement_mm"})
-        if (const Parameter* p = step.params.set->find(bound)) {
+        if (const Parameter* p = step.params.set->find(bound))
           out.budget_asked_mm += std::get<double>(step.params.get(*p));
-          const int node = graph_.find(recipe.name + "." + step.type->name);
-          out.budget_used_mm += parts_.at(std::size_t(node)).moved_mm.value();
-        }
+      const int node = graph_.find(recipe.name + "." + step.type->name);
+      out.budget_used_mm += parts_.at(std::size_t(node)).moved_mm.value_or(0);
+    }
   }
 
   void add_stage_figures(int node, cases::CaseAnatomy& out, AnatomyResult& result) const {

@@ -8,7 +8,7 @@
 
 #include "base/vec3.h"
 
-namespace trephine::meshing {
+namespace trephine::surface {
 
 /// A list of places on float32's raster, stored coordinate by coordinate for quick searches.
 class PlaceList {
@@ -70,4 +70,4 @@ class PlaceList {
   std::vector<float> x_, y_, z_;
 };
 
-}  // namespace trephine::meshing
+}  // namespace trephine::surface
