@@ -62,7 +62,7 @@ TEST(HapticsWorkspace, ADevicesAxesAreTurnedToThePatients) {
   };
   for (const Preset& p :
        {Preset{"touch", {1, 0, 0}, {0, 0, 1}, {0, 1, 0}}, Preset{"omega", {0, 1, 0}, {1, 0, 0}, {0, 0, 1}},
-        Preset{"+x,-z,+y", {1, 0, 0}, {0, 0, 1}, {0, 1, 0}}}) {
+        Preset{"haply", {1, 0, 0}, {0, -1, 0}, {0, 0, 1}}, Preset{"+x,-z,+y", {1, 0, 0}, {0, 0, 1}, {0, 1, 0}}}) {
     auto owned = std::make_unique<Hand>();
     Hand& hand = *owned;
     device::WorkspaceParams params;

@@ -11,8 +11,7 @@
  * The program opens one device, starts it, and then calls read and send, in turn, from one thread of its own, about
  * 2,000 times a second. They may take as long as the SDK takes; the servo loop does not wait for them. Functions return
  * 0 where they succeed, unless said otherwise. simulator/adaptors holds those for Force Dimension's and
- * 3D Systems' libraries. For Haply: open the serial port; read and send are one cursor_effector exchange, kept between
- * the two calls. */
+ * 3D Systems' libraries and for Haply's service. */
 
 #ifdef __cplusplus
 extern "C" {

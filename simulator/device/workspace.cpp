@@ -10,6 +10,7 @@ namespace trephine::device {
 Mat3 workspace_axes(const WorkspaceParams& params) {
   const std::string& text = params.workspace_axes;
   const std::vector<std::string> rows = split_at(text == "lps"     ? "+x,+y,+z"
+                                                 : text == "haply" ? "+x,+y,+z"
                                                  : text == "touch" ? "+x,-z,+y"
                                                  : text == "omega" ? "+y,-x,+z"
                                                                    : text,
@@ -26,7 +27,7 @@ Mat3 workspace_axes(const WorkspaceParams& params) {
     throw Error(
         ExitCode::usage, "", "workspace_axes",
         text +
-            ", must be lps, touch, omega, or three axes of the device with their signs, each once, such as +x,-z,+y");
+            ", must be lps, haply, touch, omega, or three axes of the device with their signs, each once, such as +x,-z,+y");
   if (turns < 0)
     throw Error(ExitCode::usage, "", "workspace_axes", text + ", would mirror the hand; turn the sign of one axis");
   return m;

@@ -19,12 +19,12 @@ struct WorkspaceParams {
   template <class V>
   static void describe(V& v) {
     using P = WorkspaceParams;
-    v.text(&P::workspace_axes, "workspace_axes",
-           "Which axes of the device point to the patient's left, back and head, such as +x,-z,+y; or a name: lps "
-           "(+x,+y,+z), "
-           "touch (its y points up and its z to the operator: +x,-z,+y), omega (its x points to the operator and its z "
-           "up: "
-           "+y,-x,+z). With these two the patient faces the operator, upright.");
+    v.text(
+        &P::workspace_axes, "workspace_axes",
+        "Which axes of the device point to the patient's left, back and head, such as +x,-z,+y; or a name: lps or "
+        "haply (its y points away from the operator and its z up: +x,+y,+z), touch (its y points up and its z to the "
+        "operator: +x,-z,+y), omega (its x points to the operator and its z up: +y,-x,+z). With these three the "
+        "patient faces the operator, upright.");
     v.number(&P::workspace_scale, "workspace_scale", Range{0.01, 100},
              "How far the tool moves for each mm of the device.");
     v.numbers(&P::workspace_offset_mm, "workspace_offset_mm", Range{-1e5, 1e5},

@@ -40,7 +40,7 @@ for page in trephine/{run.md,configuration.schema.json} trephine-sim/play.md; do
   grep -q " \./usr/share/doc/trephine/docs/reference/$page$" "$work/list" || fail "the reference lacks $page"
 done
 ! awk '!/\/$/ { print $6 }' "$work/list" | grep -vxE -e '\./usr/bin/trephine(-sim|-itk|-tetra)?' \
-  -e '\./usr/lib/trephine/(mesh_formats|dicom_codecs|hdf5_writer|igtl_messages|force_dimension|open_haptics)\.so' \
+  -e '\./usr/lib/trephine/(mesh_formats|dicom_codecs|hdf5_writer|igtl_messages|force_dimension|open_haptics|haply)\.so' \
   -e '\./usr/lib/trephine/slicer-modules/Trephine(Run|Export|Measure)' \
   -e '\./usr/share/trephine/(trephine\.root|(pipelines|configs|configs/scenes|configs/trade|configs/rubrics|examples/lessons)/[a-z_]+\.(yaml|json)|configs/same_place\.tfm|sample_dicom/slice_[0-9]{4}\.dcm)' \
   -e '\./usr/share/trephine/pipelines/Snakefile' \
