@@ -24,10 +24,10 @@ Mat3 workspace_axes(const WorkspaceParams& params) {
   }
   const double turns = determinant(m);
   if (!good || turns == 0)
-    throw Error(
-        ExitCode::usage, "", "workspace_axes",
-        text +
-            ", must be lps, haply, touch, omega, or three axes of the device with their signs, each once, such as +x,-z,+y");
+    throw Error(ExitCode::usage, "", "workspace_axes",
+                text +
+                    ", must be lps, haply, touch, omega, or three axes of the device with their signs, each once, such "
+                    "as +x,-z,+y");
   if (turns < 0)
     throw Error(ExitCode::usage, "", "workspace_axes", text + ", would mirror the hand; turn the sign of one axis");
   return m;
