@@ -56,7 +56,19 @@ TEST(Measure, AloneAndAgainstAMesh) {
   EXPECT_NEAR(number(r, "deviation_rms_mm"), 0.1, 0.02);
   EXPECT_NEAR(number(r, "deviation_bias_mm"), 0.1, 0.02);
   EXPECT_NEAR(number(r, "volume_difference_ratio"), std::pow(30.1 / 30, 3) - 1, 1e-9);
-  EXPECT_EQ(number(r, "samples_count"), 2.0 * metrics::MeasureParams().sample_count);
+  EXPECT_EQ(number(r, "samples_count"), 2.0 * std::floor(surface::area_mm2(m)));
+}
+
+TEST(Measure, SmallSurfacesHaveFewerSamples) {
+  const auto samples = [](double radius_mm, int asked) {
+    const surface::TriMesh m = shapes::sphere(3, radius_mm);
+    metrics::MeasureParams p;
+    p.sample_count = asked;
+    return number(printed(metrics::measure_surface(m, metrics::MeshReference{&m}, p)), "samples_count");
+  };
+  EXPECT_EQ(samples(10, 100000), 2 * 10000);
+  EXPECT_EQ(samples(100, 100000), 2 * 100000);
+  EXPECT_EQ(samples(10, 2000), 2 * 2000);
 }
 
 TEST(Measure, AgainstLabels) {

@@ -45,6 +45,12 @@ surface::TriMesh surface_of(const grid::Mask& mask) {
   return with_field("labels", [&] { return meshing::contour(field, params).value; });
 }
 
+// One a mm^2 of a small surface, but no fewer than p99 needs: 100 of them lie beyond it.
+int samples_on(double area_mm2, const MeasureParams& params) {
+  constexpr double least = 10000;
+  return static_cast<int>(std::min<double>(params.sample_count, std::max(least, area_mm2)));
+}
+
 MeasureResult figures_of_mesh(const MeshMeasures& m) {
   MeasureResult r;
   r.triangles_count = m.topology.triangles;
@@ -96,7 +102,7 @@ Outcome<std::monostate, MeasureResult> measure_surface(const surface::TriMesh& m
   progress.report(0.1);
   r = figures_of_mesh(m);
   DeviationParams samples;
-  samples.sample_count = params.sample_count;
+  samples.sample_count = samples_on(m.area_mm2, params);
   const Progress rest = progress.part(0.4, 1);
   const auto* against = std::get_if<MeshReference>(&reference);
   meshing::Validity validity;

@@ -8,7 +8,7 @@ namespace trephine::stages {
 StageType measure_stage() {
   StageType s;
   s.name = "measure";
-  s.version = 3;
+  s.version = 4;
   s.typical.base_s = 0.1;
   s.typical.per_million_triangles_s = 0.65;
   s.place = StagePlace::scene;
