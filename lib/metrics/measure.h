@@ -34,9 +34,10 @@ struct MeasureParams {
   template <class V>
   static void describe(V& v) {
     using P = MeasureParams;
-    v.integer(&P::sample_count, "sample_count", Range{1000, 100000000},
-              "Points on each surface, at most, from which RMS, mean, bias and p99 are taken: one a mm^2, and 10,000 of a "
-              "small one.");
+    v.integer(
+        &P::sample_count, "sample_count", Range{1000, 100000000},
+        "Points on each surface, at most, from which RMS, mean, bias and p99 are taken: one a mm^2, and 10,000 of a "
+        "small one.");
     v.flag(&P::validity, "validity", "Also look for self-intersections and degenerate triangles.");
   }
 };
