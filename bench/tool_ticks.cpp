@@ -101,6 +101,21 @@ std::vector<haptics::HapticInput> session_of(std::mt19937_64& rng) {
   return inputs;
 }
 
+std::vector<haptics::HapticInput> in_air(std::mt19937_64& rng) {
+  std::vector<haptics::HapticInput> inputs;
+  const auto place = [&] { return Vec3{between(rng, -9, 9), between(rng, -9, 9), top_mm + between(rng, 6, 12)}; };
+  const auto lean = [&] { return normalized({between(rng, -0.5, 0.5), between(rng, -0.5, 0.5), 1}); };
+  Vec3 tip = place(), axis = lean();
+  for (int way = 0; way < 6; ++way) {
+    const Vec3 from = tip, from_axis = axis;
+    tip = place();
+    axis = lean();
+    for (int n = 1; n <= 100; ++n)
+      inputs.push_back(pose(from + (tip - from) * (0.01 * n), from_axis + (axis - from_axis) * (0.01 * n)));
+  }
+  return inputs;
+}
+
 struct Times {
   std::vector<double> us;
   std::vector<double> most_us;       // of each session
@@ -118,7 +133,7 @@ struct Times {
   double at(double share) const { return us[std::min(us.size() - 1, std::size_t(share * double(us.size())))]; }
 };
 
-enum class Plate { none, voxels, mesh };
+enum class Plate { none, voxels, mesh, far };  // far: there is none, and the tool is in the open
 
 Times times_of(const char* kind, double hole_mm, int sessions, Plate with = Plate::none) {
   voxel::HapticVolume volume = block(hole_mm, with == Plate::voxels ? top_mm + 1.01 : top_mm);
@@ -138,7 +153,7 @@ Times times_of(const char* kind, double hole_mm, int sessions, Plate with = Plat
   const double cost = clock_cost_us();
   Times out;
   for (int n = 0; n < sessions; ++n) {
-    const std::vector<haptics::HapticInput> inputs = session_of(rng);
+    const std::vector<haptics::HapticInput> inputs = with == Plate::far ? in_air(rng) : session_of(rng);
     std::vector<double> least(inputs.size(), 1e9);
     for (int round = 0; round < rounds; ++round) {
       haptics::Proxy proxy(space, feels, {}, {}, tool);
@@ -179,6 +194,15 @@ void compare_plate(int sessions, const std::vector<std::string>& tools) {
 }  // namespace
 
 int main(int count, char** words) {
+  if (count > 1 && std::string(words[1]) == "air") {
+    std::printf("| tool | p50 | p99 | most, us |\n|---|---|---|---|\n");
+    for (const haptics::ToolKind& kind : haptics::all_tool_kinds()) {
+      if (kind.from_file || (!(kind.length_mm > 0) && std::string(kind.name) != "point")) continue;
+      const Times t = times_of(kind.name, 5, 5, Plate::far);
+      std::printf("| `%s` | %.1f | %.1f | %.1f |\n", kind.name, t.at(0.5), t.at(0.99), t.us.back());
+    }
+    return 0;
+  }
   if (count > 1 && std::string(words[1]) == "plate") {
     compare_plate(count > 2 ? std::max(1, std::atoi(words[2])) : 6, {words + std::min(count, 3), words + count});
     return 0;

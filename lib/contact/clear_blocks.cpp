@@ -110,7 +110,10 @@ double ClearBlocks::beyond_mm(Vec3 index, int shape) const {
   double off = 0;
   for (int a = 0; a < 3; ++a)
     off = std::max(off, l.spacing_mm[a] * std::max(-1 - index[a], index[a] - l.size[std::size_t(a)]));
-  return std::max(0.0, off - rounding_mm);
+  // What is not empty is no nearer than it is to the nearest place of the blocks.
+  Vec3 nearest;
+  for (int a = 0; a < 3; ++a) nearest[a] = std::clamp(index[a], double(-side), end_[a] - side - rounding_mm);
+  return std::max(clear_mm(nearest, 0), off - rounding_mm);
 }
 
 // Those that are not of the shape are as near as their boxes are.

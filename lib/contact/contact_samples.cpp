@@ -91,8 +91,8 @@ int samples_near(const FeltLattice& felt, Vec3 from_mm, Vec3 to_mm, double reach
       if (of_row.begin > of_row.end) continue;
       const auto [low_i, high_i] = voxels_of(0, of_row);
       for (int bi = low_i >> KnownBlocks::block_bits; bi <= high_i >> KnownBlocks::block_bits; ++bi) {
-        if (felt.blocks.shape_of_block(bi * side, bj * side, bk * side) != KnownBlocks::mixed_block) continue;
-        if (!block_is_near(bi, bj, bk)) continue;
+        const KnownBlocks::Block block = felt.blocks.block(bi, bj, bk);
+        if (block.shape < KnownBlocks::mixed_block || !block_is_near(bi, bj, bk)) continue;
         const bool inner = bi >= 0 && bj >= 0 && bk >= 0 && (bi + 1) * side < v.size[0] &&
                            (bj + 1) * side < v.size[1] && (bk + 1) * side < v.size[2];
         for (int k = std::max(low_k, bk * side); k <= std::min(high_k, bk * side + side - 1); ++k)
@@ -104,8 +104,11 @@ int samples_near(const FeltLattice& felt, Vec3 from_mm, Vec3 to_mm, double reach
               begin_i = std::max(begin_i, int(c.x - half) - 1);
               end_i = std::min(end_i, int(c.x + half) + 1);
             }
+            const unsigned mixed = inner ? felt.blocks.mixed_cells(block, j, k) : ~0u;
+            if (mixed == 0) continue;
             const std::int16_t* row = inner ? v.voxels.data() + v.index(0, j, k) : nullptr;
             for (int i = begin_i; i <= end_i; ++i) {
+              if (!(mixed >> 2 * (i & (side - 1)) & 1)) continue;
               std::int16_t raw, beside[3];
               if (inner) {
                 const std::int16_t* at = row + i;

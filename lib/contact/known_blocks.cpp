@@ -53,6 +53,17 @@ int KnownBlocks::cell_shape(const Block& block, int i, int j, int k) const {
   return __atomic_load_n(&block_names_[block.index], __ATOMIC_RELAXED) >> (kind == 1 ? 0 : 8) & 255;
 }
 
+unsigned KnownBlocks::mixed_cells(const Block& block, int j, int k) const {
+  constexpr int last = (1 << block_bits) - 1;
+  constexpr unsigned low_bits = 0x55;
+  if (!block.details_known || block_cells_.empty()) return low_bits;
+  const int cell = ((j & last) << block_bits) + ((k & last) << 2 * block_bits);
+  const std::uint64_t cells =
+      __atomic_load_n(&block_cells_[2 * block.index + std::size_t(cell >> 5)], __ATOMIC_RELAXED);
+  const unsigned row = unsigned(cells >> 2 * (cell & 31));
+  return row & row >> 1 & low_bits;
+}
+
 void KnownBlocks::settle(const grid::Box& box) {
   grid::Grid<std::int16_t>& v = volume_.voxels;
   if (box.empty()) return;

@@ -67,6 +67,9 @@ class KnownBlocks {
   /// The shape (0: none) of the whole cell between eight voxel centres, for a sub-voxel surface; -1 where the cell is
   /// not of one shape. The block is the cell's, and its details must be known.
   int cell_shape(const Block& block, int i, int j, int k) const;
+  /// Of the four cells from (i, j, k) on along x, which begin a row of the block: those that are not known to be of one
+  /// shape, bit 2 n for the n-th. Between the corners of all others nothing changes.
+  unsigned mixed_cells(const Block& block, int j, int k) const;
   /// The shape to which the rest of a partly filled voxel of shape `own` belongs, if the voxel is not bare.
   int second_of(int own, int i, int j, int k) const;
 
