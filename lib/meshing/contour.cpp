@@ -65,8 +65,12 @@ Vec3 to_index(const surface::TriMesh& mesh, const grid::Lattice& lattice, Vec3 p
 }
 
 /// Moves the points of the triangles, and of the triangles around them, away from the ends of their lattice edges.
-std::size_t draw_in(surface::TriMesh& mesh, const grid::Lattice& lattice, const std::vector<std::uint32_t>& triangles,
-                    double margin) {
+struct DrawnIn {
+  std::size_t points_count = 0;
+  double most_mm = 0;  ///< moved
+};
+DrawnIn draw_in(surface::TriMesh& mesh, const grid::Lattice& lattice, const std::vector<std::uint32_t>& triangles,
+                double margin) {
   std::vector<char> marked(mesh.points_mm.size(), 0);
   for (const std::uint32_t t : triangles)
     for (const std::uint32_t v : mesh.triangles[t]) marked[v] = 1;
@@ -75,7 +79,7 @@ std::size_t draw_in(surface::TriMesh& mesh, const grid::Lattice& lattice, const 
     if (marked[t[0]] || marked[t[1]] || marked[t[2]])
       for (const std::uint32_t v : t) around[v] = 1;
   const Vec3 s = lattice.spacing_mm, offset = lattice.origin_mm - mesh.origin_mm;
-  std::size_t moved = 0;
+  DrawnIn out;
   for (std::size_t i = 0; i < around.size(); ++i) {
     if (!around[i]) continue;
     Vec3 p = to_index(mesh, lattice, mesh.points_mm[i]);
@@ -87,23 +91,23 @@ std::size_t draw_in(surface::TriMesh& mesh, const grid::Lattice& lattice, const 
       if (a != axis) p[a] = std::nearbyint(p[a]);
     const double low = std::floor(p[axis]);
     p[axis] = low + std::clamp(p[axis] - low, margin, 1 - margin);
-    mesh.points_mm[i] = lattice.direction * Vec3{p.x * s.x, p.y * s.y, p.z * s.z} + offset;
-    ++moved;
+    const Vec3 now = lattice.direction * Vec3{p.x * s.x, p.y * s.y, p.z * s.z} + offset;
+    out.most_mm = std::max(out.most_mm, norm(now - mesh.points_mm[i]));
+    mesh.points_mm[i] = now;
+    ++out.points_count;
   }
-  return moved;
+  return out;
 }
 
 /// Divides the boxes in which the triangles lie; false: none of them holds merged triangles.
 bool divide_at(surface::CellMerge& merge, const surface::TriMesh& mesh, const grid::Lattice& lattice,
-               const std::vector<std::uint32_t>& triangles, ContourResult& result, const Progress& progress) {
+               const std::vector<std::uint32_t>& triangles, const Progress& progress) {
   std::vector<Vec3> places;
   for (const std::uint32_t t : triangles) {
     const auto& v = mesh.triangles[t];
     places.push_back(to_index(mesh, lattice, (mesh.points_mm[v[0]] + mesh.points_mm[v[1]] + mesh.points_mm[v[2]]) / 3));
   }
-  const std::size_t count = merge.divide(places, progress);
-  result.merged->boxes_divided_count += count;
-  return count > 0;
+  return merge.divide(places, progress) > 0;
 }
 
 /// Rounds the mesh to float32 and makes it valid there. Where it is invalid, boxes of merged triangles are divided;
@@ -118,7 +122,7 @@ Validity make_valid(surface::TriMesh& mesh, const grid::Lattice& lattice, surfac
     if (v.valid()) return v;
     std::vector<std::uint32_t> faults = degenerate_triangles(mesh);
     for (const auto& pair : self_intersections(mesh, progress)) faults.insert(faults.end(), pair.begin(), pair.end());
-    if (merge && divide_at(*merge, mesh, lattice, faults, result, progress)) {
+    if (merge && divide_at(*merge, mesh, lattice, faults, progress)) {
       mesh = merge->mesh();
       to_patient(mesh, lattice);
       continue;
@@ -128,7 +132,9 @@ Validity make_valid(surface::TriMesh& mesh, const grid::Lattice& lattice, surfac
     if (faults.empty() || margin > last_margin)
       throw refusal("contour", v.text(),
                     {"this is a fault of the program: an `isovalue_hu` a little higher or lower may go round it"});
-    result.points_drawn_in_count += draw_in(mesh, lattice, faults, margin);
+    const DrawnIn drawn = draw_in(mesh, lattice, faults, margin);
+    result.points_drawn_in_count += drawn.points_count;
+    if (result.merged) result.merged->within_proven_mm += drawn.most_mm;
   }
 }
 
@@ -156,6 +162,7 @@ Outcome<surface::TriMesh, ContourResult> contour_grid(const grid::Grid<T>& grid,
     to_patient(mesh, grid);
   }
   const Validity v = make_valid(mesh, grid, merge ? &*merge : nullptr, result, progress.part(0.6, 0.95));
+  if (merge) result.merged->boxes_divided_count = merge->boxes_divided_count();
 
   result.inside_voxels_count = inside.count;
   result.triangles_count = mesh.triangles.size();

@@ -88,7 +88,7 @@ struct ContourResult {
 ///
 /// Where within_mm is not 0, triangles are merged (surface/cell_merge.h): flat parts have fewer, and the surface
 /// lies within that bound of marching cubes' own, which is proven. Components and genus are the same, and every point
-/// is one where the field crosses the isovalue.
+/// is one of marching cubes', but for those that float32 needs elsewhere, whose way counts in within_proven_mm.
 ///
 /// Throws Error 80, naming the count of inside voxels, where no voxel, every voxel or only voxels of a single slice are
 /// inside; 65 where a sample is not finite; 80 where no valid surface can be made.

@@ -102,9 +102,9 @@ Outcome<std::monostate, MeasureResult> measure_surface(const surface::TriMesh& m
   progress.report(0.1);
   r = figures_of_mesh(m);
   DeviationParams samples;
-  samples.sample_count = samples_on(m.area_mm2, params);
-  const Progress rest = progress.part(0.4, 1);
   const auto* against = std::get_if<MeshReference>(&reference);
+  samples.sample_count = samples_on(std::max(m.area_mm2, against ? surface::area_mm2(*against->mesh) : 0), params);
+  const Progress rest = progress.part(0.4, 1);
   meshing::Validity validity;
   Deviation deviation;
   parallel_do({[&] {

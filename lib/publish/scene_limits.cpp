@@ -69,8 +69,8 @@ void hold_against_limits(const config::SceneAnatomy& limit, const AnatomyResult&
   hold_triangles(limit, result.triangles_after, result.stopped_by);
   if (limit.max_deviation_mm > 0 && !(result.deviation_max_mm <= limit.max_deviation_mm))
     throw refusal(limit.name,
-                  "deviates by " + to_text(result.deviation_max_mm) +
-                      " mm from the unreduced surface, the scene allows " + to_text(limit.max_deviation_mm) + " mm",
+                  "deviates by " + to_text(result.deviation_max_mm) + " mm from its contour, the scene allows " +
+                      to_text(limit.max_deviation_mm) + " mm",
                   {"lower `max_deviation_mm` of `decimate`, or raise `max_deviation_mm` in the scene"})
         .finds_fault_with({limit.name})
         .because(Cause::refused_output);

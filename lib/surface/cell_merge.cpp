@@ -214,15 +214,17 @@ void CellMerge::settle(std::vector<std::int32_t> changed, const Progress& progre
       Room room;
       for (std::int64_t n = from; n < to; ++n) trace(blocks[n], room);
     });
-    std::vector<char> divided(blocks.size(), 0);
+    std::vector<std::size_t> divided(blocks.size(), 0);
     parallel_for(0, count, 64, [&](std::int64_t from, std::int64_t to) {
       progress.check();
       Room room;
       for (std::int64_t n = from; n < to; ++n) divided[n] = cut(blocks_[blocks[n]], room);
     });
     changed.clear();
-    for (std::size_t n = 0; n < blocks.size(); ++n)
-      if (divided[n]) changed.push_back(blocks[n]);
+    for (std::size_t n = 0; n < blocks.size(); ++n) {
+      if (divided[n] > 0) changed.push_back(blocks[n]);
+      boxes_divided_count_ += divided[n];
+    }
   }
 }
 
@@ -248,6 +250,7 @@ std::size_t CellMerge::divide(const std::vector<Vec3>& places, const Progress& p
     std::fill_n(level.begin() + unit, units_of(now), static_cast<std::uint8_t>(now - 1));
     if (changed.empty() || changed.back() != b) changed.push_back(b);
   }
+  boxes_divided_count_ += boxes.size();
   settle(std::move(changed), progress);
   return boxes.size();
 }

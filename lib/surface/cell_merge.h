@@ -39,6 +39,8 @@ class CellMerge {
   /// Divides the boxes in which the places lie, in the same frame, each into the next smaller ones. Returns how many
   /// there were; what lies in no merged box counts for nothing.
   std::size_t divide(const std::vector<Vec3>& places, const Progress& progress);
+  /// All that were divided so far, also because their polygons could not be cut or met.
+  std::size_t boxes_divided_count() const { return boxes_divided_count_; }
 
  private:
   static constexpr int units = 4, units_in_block = units * units * units;
@@ -74,7 +76,7 @@ class CellMerge {
   bool examine(const Block& block, int unit, int level, Room& room) const;
   void trace(std::int32_t at, Room& room);
   void thin(const std::vector<std::uint32_t>& line, bool bend);
-  bool cut(Block& block, Room& room) const;
+  std::size_t cut(Block& block, Room& room) const;  ///< returns how many boxes were divided
   bool cut_polygon(const Box& box, Vec3 normal, Room& room, std::vector<Triangle>& out) const;
   void settle(std::vector<std::int32_t> changed, const Progress& progress);
   std::vector<std::int32_t> around(const std::vector<std::int32_t>& blocks) const;
@@ -91,7 +93,8 @@ class CellMerge {
   std::vector<std::int32_t> block_at_;                  ///< number of the block, -1: nothing is there
   std::vector<Block> blocks_;
   std::vector<std::uint32_t> order_;  ///< the triangles, block by block and unit by unit
-  std::vector<char> stays_;           ///< of each point on a side between two boxes: thinning left it
+  std::size_t boxes_divided_count_ = 0;
+  std::vector<char> stays_;  ///< of each point on a side between two boxes: thinning left it
 };
 
 }  // namespace trephine::surface

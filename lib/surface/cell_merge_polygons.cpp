@@ -58,9 +58,9 @@ bool CellMerge::cut_polygon(const Box& box, Vec3 normal, Room& room, std::vector
 }
 
 /// Makes the block's triangles. Boxes whose polygons cannot be cut, or meet, are divided, and true is returned.
-bool CellMerge::cut(Block& block, Room& room) const {
+std::size_t CellMerge::cut(Block& block, Room& room) const {
   block.triangles.clear();
-  bool divided = false;
+  std::size_t divided = 0;
   std::size_t border = 0;
   std::vector<FloatBox> boxes;
   for (int unit = 0; unit < units_in_block;) {
@@ -96,7 +96,7 @@ bool CellMerge::cut(Block& block, Room& room) const {
         }
     }
     if (!fits) {
-      divided = true;
+      ++divided;
       std::fill(block.level.begin() + unit, block.level.begin() + end, static_cast<std::uint8_t>(level - 1));
     }
     unit = end;
