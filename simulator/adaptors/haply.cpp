@@ -28,7 +28,8 @@ namespace beast = boost::beast;
 using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto answer_time = std::chrono::seconds(2);  // until what does not answer is lost
+// Until what does not answer is lost: while it begins, and while forces are on.
+constexpr auto begin_time = std::chrono::milliseconds(2000), answer_time = std::chrono::milliseconds(250);
 constexpr std::size_t message_bytes = 1 << 20;
 constexpr double mm_per_m = 1000;
 
@@ -38,7 +39,8 @@ struct Failure {
   std::string what;
 };
 
-// A connection whose every step ends in time, also where the service sends half of a frame.
+// A connection on which nothing lasts longer than that, also where the service sends half of a frame or byte by byte;
+// but for the look-up of a HOST that is no number.
 class Service {
  public:
   Service() : socket_(io_) {
@@ -61,6 +63,7 @@ class Service {
     beast::error_code fault;
     beast::get_lowest_layer(socket_).socket().close(fault);
   }
+  void expect_answers_soon() { time_ = answer_time; }
   /// As the protocol wants a connection to end.
   void leave() {
     if (is_broken_) return;
@@ -69,10 +72,14 @@ class Service {
   const Json& inventory() const { return inventory_; }
   Json receive() {
     beast::flat_buffer buffer;
+    until_ = Clock::now() + time_;
     do {
-      step("a state", [&](const auto& done) {
-        socket_.async_read_some(buffer, message_bytes, [done](beast::error_code e, std::size_t) { done(e); });
-      });
+      step(
+          "a state",
+          [&](const auto& done) {
+            socket_.async_read_some(buffer, message_bytes, [done](beast::error_code e, std::size_t) { done(e); });
+          },
+          until_);
       // Not by the stream's own limit, which would end the connection before the last force is taken back.
       if (buffer.size() > message_bytes) throw Failure{"the service sent more than 1 MB for a state"};
     } while (!socket_.is_message_done());
@@ -107,22 +114,34 @@ class Service {
   }
   template <class Begin>
   void step(const std::string& what, const Begin& begin) {
+    step(what, begin, Clock::now() + time_);
+  }
+  template <class Begin>
+  void step(const std::string& what, const Begin& begin, Clock::time_point until) {
     beast::error_code fault;
     bool is_done = false;
     begin([&](beast::error_code e) { fault = e, is_done = true; });
     io_.restart();
-    io_.run_for(answer_time);
+    io_.run_until(until);
     is_broken_ = is_broken_ || !is_done || fault;
     if (!is_done) {
       beast::get_lowest_layer(socket_).cancel();  // and not closed: the last force is to be taken back
       io_.restart();
-      io_.run();  // what was begun ends now, before what it refers to goes
-      throw Failure{what + ": no answer within 2 s"};
+      io_.run_for(answer_time);
+      if (!is_done) {  // it went on to another address, or waits all the same
+        beast::error_code ignored;
+        beast::get_lowest_layer(socket_).socket().close(ignored);
+        io_.restart();
+        io_.run();  // what was begun ends now, before what it refers to goes
+      }
+      throw Failure{what + ": no answer in time"};
     }
     if (fault) throw Failure{what + ": " + fault.message()};
   }
 
   bool is_broken_ = false;
+  Clock::duration time_ = begin_time;
+  Clock::time_point until_;
   asio::io_context io_;
   beast::websocket::stream<beast::tcp_stream> socket_;
   Json inventory_;
@@ -166,21 +185,26 @@ double number(const Json& of, const char* key) {
   return found->get<double>();
 }
 
+// Buttons are up where nobody says that they are down; a direction that is not known is the last one.
 void take_grip(const Json& grip) {
-  const Json& state = grip.at("state");
-  const Json& q = state.at("orientation");
-  const double w = number(q, "w"), x = number(q, "x"), y = number(q, "y"), z = number(q, "z");
-  if (std::abs(w * w + x * x + y * y + z * z - 1) > 0.1) return;  // not known yet
+  const auto state = grip.find("state");
+  if (state == grip.end() || !state->is_object()) return;
+  const auto down = [](const Json& of, const char* name) {
+    const auto button = of.find(name);
+    return button != of.end() && button->is_boolean() && button->get<bool>();
+  };
+  if (const auto all = state->find("buttons"); all != state->end() && all->is_object())
+    for (const char* name : {"a", "b", "c"}) device.buttons |= std::uint32_t(down(*all, name)) << (name[0] - 'a');
+  else
+    device.buttons = down(*state, "button");
+  const auto q = state->find("orientation");
+  if (q == state->end() || !q->is_object()) return;
+  const double w = number(*q, "w"), x = number(*q, "x"), y = number(*q, "y"), z = number(*q, "z");
+  if (!(std::abs(w * w + x * x + y * y + z * z - 1) < 0.1)) return;
   // The grip points along its own y, to the tip; its x goes across.
   const double points[3] = {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)};
   const double across[3] = {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)};
   for (int a = 0; a < 3; ++a) device.axis[a] = -points[a], device.across[a] = across[a];
-  device.buttons = 0;
-  if (const auto all = state.find("buttons"); all != state.end())
-    for (const char* name : {"a", "b", "c"})
-      device.buttons |= std::uint32_t(all->value(name, false)) << (name[0] - 'a');
-  else if (const auto one = state.find("button"); one != state.end() && one->is_boolean())
-    device.buttons = one->get<bool>();
 }
 
 void send_force(const double* force_n) {
@@ -226,6 +250,7 @@ int trephine_adaptor_limits(void*, trephine_adaptor_limits_t* out) {
 int trephine_adaptor_start(void*) {
   return guarded(1, [] {
     const double none[3] = {0, 0, 0};
+    service->expect_answers_soon();
     send_force(none);
     return 0;
   });
@@ -235,6 +260,7 @@ int trephine_adaptor_start(void*) {
 int trephine_adaptor_read(void*, trephine_adaptor_pose* out) {
   return guarded(1, [&] {
     const Json state = service->receive();
+    device.buttons = 0;
     for (const char* kind : {"wireless_verse_grip", "verse_grip"})
       if (const Json& grips = list_of(state, kind); !grips.empty()) {
         take_grip(grips[0]);
@@ -242,7 +268,7 @@ int trephine_adaptor_read(void*, trephine_adaptor_pose* out) {
       }
     const Json* arm = nullptr;
     for (const Json& one : list_of(state, "inverse3"))
-      if (one.value("device_id", "") == device.id) arm = &one;
+      if (one.is_object() && one.contains("device_id") && one["device_id"] == device.id) arm = &one;
     if (!arm) throw Failure{"the service no longer lists " + device.id};
     const Json& at = arm->at("state").at("cursor_position");
     int a = 0;

@@ -92,8 +92,9 @@ class AdaptorDevice : public Device {
       if (limits.max_force_n > 0) max_force_n_ = limits.max_force_n;
     }
     if (library_.start(device_) != 0) {
+      const std::string why = printable(library_.error());  // closing may fail, too
       library_.close(device_);
-      library_.fail("start");
+      throw Error(ExitCode::io, library_.file(), "start", why);
     }
     thread_ = std::thread([this] { serve(); });
   }
