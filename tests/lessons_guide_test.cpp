@@ -154,6 +154,8 @@ TEST(LessonsGuide, AStepIsDoneWhenItIsSeenToBe) {
   lessons::VentriculostomyFacts head;
   EXPECT_EQ(done("ventriculostomy", head), 0);
   head.traces.resize(2);
+  EXPECT_EQ(done("ventriculostomy", head), 0) << "the second is being drawn";
+  head.end_s = 1;
   EXPECT_EQ(done("ventriculostomy", head), 1);
   head.traces[0].erased = true;
   EXPECT_EQ(done("ventriculostomy", head), 2);
@@ -181,14 +183,18 @@ TEST(LessonsGuide, AStepIsDoneWhenItIsSeenToBe) {
   spine.end_s = 11;
   EXPECT_EQ(done("pedicle_screw", spine), 1);
 
-  // Whether the needle is in the vein shows the syringe alone.
+  // Only what is drawn shows whether the needle is in the vein; what comes by itself does not end the step.
   lessons::SubclavianFacts chest;
   chest.vein_s = 5;
   EXPECT_EQ(done("subclavian", chest), 0);
-  chest.passes.emplace_back();
+  chest.passes.emplace_back().end_s = chest.end_s = 6;
   EXPECT_EQ(done("subclavian", chest), 1);
-  chest.syringe = lesson::Fluid::venous_blood;
+  chest.syringe = lesson::Fluid::air;
+  EXPECT_EQ(done("subclavian", chest), 1);
+  chest.blood_s = 6;
   EXPECT_EQ(done("subclavian", chest), 2);
+  chest.end_s = 7;
+  EXPECT_EQ(done("subclavian", chest), 0) << "it was drawn out";
 }
 
 TEST(LessonsGuide, AStepMayBeForAnyOfSeveralTools) {

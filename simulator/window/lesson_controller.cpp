@@ -107,8 +107,10 @@ void LessonController::note_step(int tool, int command) {
   for (std::size_t n = 0; n < steps_.size(); ++n)
     if (command != haptics::belt_command::none
             ? steps_[n].command == command
-            : tool >= 0 && lessons::is_for_tool(steps_[n].guide, tools()[std::size_t(tool)].name))
+            : tool >= 0 && lessons::is_for_tool(steps_[n].guide, tools()[std::size_t(tool)].name)) {
       step_ = n;
+      step_was_done_ = steps_[n].guide.done;
+    }
 }
 
 texts::Answer LessonController::take(const std::string& name) {
@@ -152,7 +154,7 @@ texts::Answer LessonController::answer(const std::string& choice) {
 
 std::size_t LessonController::step() const {
   std::size_t n = step_;
-  while (n + 1 < steps_.size() && steps_[n].guide.done) ++n;
+  while (n + 1 < steps_.size() && steps_[n].guide.done && !step_was_done_) ++n;
   return n;
 }
 

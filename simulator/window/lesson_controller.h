@@ -73,7 +73,7 @@ class LessonController {
   const std::vector<haptics::BeltToolParams>& tools() const { return belt_->tools(); }
   const std::vector<LessonStep>& steps() const { return steps_; }
   const lessons::LessonTask& task() const { return task_; }  ///< what is asked for; without a name where nothing is
-  std::size_t step() const;  ///< that is to be done: the one taken up last, or the next that is not done
+  std::size_t step() const;  ///< the one taken up last, or, where it was done since, the next that is not
   const LessonQuestions& questions() const { return *questions_; }
   const lessons::LessonFacts& facts() const { return lesson_->facts(); }
   std::vector<lessons::LessonStatus> status() const;
@@ -129,6 +129,7 @@ class LessonController {
   std::vector<LessonStep> steps_;
   lessons::LessonTask task_;
   std::size_t step_ = 0;
+  bool step_was_done_ = false;  // before it was taken up
   std::shared_ptr<session::ButtonBoard> board_ = std::make_shared<session::ButtonBoard>();
   std::unique_ptr<LessonQuestions> questions_;
   std::deque<int> commands_;  // given, and not seen by the servo yet

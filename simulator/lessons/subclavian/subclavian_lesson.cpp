@@ -165,12 +165,13 @@ LessonType subclavian_lesson() {
   append(m.texts, subclavian_words());
   m.guide = [](const LessonFacts& facts) {
     const SubclavianFacts& f = own(facts);
+    const bool is_in = !f.passes.empty() && (f.passes.back().in_place || f.passes.back().end_s >= f.end_s);
     return std::vector<LessonGuide>{
         {"Pass the needle toward the sternal notch", "needle", "",
          "Flat under the clavicle, toward the notch, the needle passes over the lung.", "A give in the vein's wall.",
-         !f.passes.empty()},
+         is_in},
         {"Aspirate", "", "aspirate", "Blood alone shows that the tip is in the vein.", "Dark blood, without a pulse.",
-         f.syringe != lesson::Fluid::none},
+         is_in && f.blood_s >= 0},
         {"Finish the lesson", "", "finish", "What is left in place is judged.", "Blood still comes."}};
   };
   m.status = [](const LessonFacts& facts) { return status_of(own(facts)); };

@@ -158,7 +158,8 @@ std::vector<LessonGuide> guide_of(const VentriculostomyFacts& f) {
     steps = {
         {"Mark: the pedal draws", "marker", "",
          "Kocher's point lies 11 cm behind the nasion and 3 cm beside the midline, before the coronal suture.",
-         "The line of the midline runs from the nasion; the other crosses it at the suture.", f.traces.size() > 1},
+         "The line of the midline runs from the nasion; the other crosses it at the suture.",
+         f.traces.size() > 1 && f.traces.back().end_s < f.end_s},
         {"Erase the traces", "", "erase", "Nothing but the last mark guides the hole.", "The skin is bare.", erased},
         {"Incise the skin at the last mark", "", "incise", "The burr must not wind the skin up.", "Bone lies open.",
          !f.incisions.empty()},
