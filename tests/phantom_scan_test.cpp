@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/pi.h"
+#include "phantom/chest.h"
 #include "phantom/phantom.h"
 #include "phantom/random.h"
 
@@ -62,6 +63,31 @@ void expect_marks_in_place(const phantom::ScanParams& p, double tolerance_mm) {
   const std::vector<Vec3> found = measured_centroids(s, marks, 4.5 * p.fiducial_sigma_mm);
   for (std::size_t m = 0; m < marks.size(); ++m)
     EXPECT_LT(norm(found[m] - marks[m].centre_mm), tolerance_mm) << "mark " << m;
+}
+
+// Where clavicles and spinous processes lie shows on the skin, without steps.
+TEST(PhantomBodies, BonesArePalpatedThroughTheSkin) {
+  for (const int seed : {0, 3}) {
+    phantom::ChestParams params;
+    params.chest_seed = seed;
+    params.shoulders_raised_deg = seed;
+    const phantom::Chest chest(params);
+    const auto skin_y = [&](double x, double z) {
+      double y = -120;
+      while (!(chest.skin({x, y, z}) > 0)) y += 0.02;
+      return y;
+    };
+    for (const bool left : {false, true})
+      for (const Vec3& c : chest.clavicle_line(left)) {
+        const double cover_mm = c.y - params.clavicle_half_width_mm - skin_y(c.x, c.z);
+        EXPECT_GT(cover_mm, 3) << c.x;
+        EXPECT_LT(cover_mm, 18) << c.x;
+        if (std::abs(c.x) < 110) EXPECT_LT(skin_y(c.x, c.z), skin_y(c.x, c.z + 20) - 2) << "a hollow above it";
+      }
+    const Vec3 notch = chest.notch_mm();
+    for (double x = -120; x < 120; x += 0.25)
+      EXPECT_LT(std::abs(skin_y(x, notch.z) - skin_y(x + 0.25, notch.z)), 0.5) << x;
+  }
 }
 
 }  // namespace

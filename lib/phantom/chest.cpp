@@ -233,16 +233,18 @@ double Chest::skin(Vec3 world) const {
   if (p.y > 0) return wall;
   const bool left = p.x > 0;
   const std::vector<Vec3>& line = clavicles_[left].points;
-  const double t = std::clamp((std::abs(p.x) - medial_mm) / own_[left].length, 0.0, 1.0);
-  const Vec3 c = line[std::size_t(std::lround(t * double(line.size() - 1)))];
+  const double from = std::abs(line.front().x), span = std::abs(line.back().x) - from;
+  const double t = std::clamp((std::abs(p.x) - from) / span, 0.0, 1.0), at = t * double(line.size() - 1);
+  const std::size_t n = std::min(std::size_t(at), line.size() - 2);
+  const Vec3 step = line[n + 1] - line[n], c = line[n] + step * (at - double(n));
   const double lateral = std::clamp(5 * t - 4, 0.0, 1.0), up = p.z - c.z;  // before the acromion, which is thicker
   const auto bell = [](double off, double width) { return std::exp(-off * off / (width * width)); };
   const double close = c.y - params_.clavicle_half_width_mm - 6 - 10 * lateral + 6 * bell(p.x, 10) * bell(up - 14, 9) +
                        5 * bell(up - 20, 9) * (1 - lateral);
   const double below = std::clamp((-8 - up) / 52, 0.0, 1.0), share = below * below * (3 - 2 * below);
   const double x = p.x / wall_x_mm, front = -wall_back_mm - wall_y_mm * std::sqrt(std::max(0.0, 1 - x * x));
-  const double slope = 6 * below * (1 - below) / 52 * (front - close);
-  return std::min(wall, (p.y - close - share * (front - close)) / std::hypot(1, slope));
+  const double slope = 6 * below * (1 - below) / 52 * (front - close), aslant = (1 - share) * step.y / step.x;
+  return std::min(wall, (p.y - close - share * (front - close)) / norm({1, slope, aslant}));
 }
 double Chest::clavicle(Vec3 p) const { return rod(clavicles_, unturned(p), params_.clavicle_half_width_mm); }
 double Chest::vein(Vec3 p) const { return rod(veins_, unturned(p), params_.vein_half_width_mm); }
