@@ -371,3 +371,30 @@ TEST(Contact, BeyondTheLatticeIsNothing) {
       EXPECT_EQ(contact.shape_at(at(-0.4)), 1);
     }
 }
+
+// Windows that adjoin, and HU between windows that are nobody's: felt as decoded, but for the few cells that are boxes.
+TEST(ContactHu, IsFeltWhereItIsDecoded) {
+  for (const int bone_low : {101, 170}) {
+    voxel::HapticVolume v;
+    v.encoding = voxel::HapticEncoding::hu;
+    v.voxels = grid::Grid<std::int16_t>(lattice(40, {1, 1, 1}), 0);
+    v.shapes = {{"soft", 1, 0, 100}, {"bone", 2, std::int16_t(bone_low), 3000}};
+    for (int k = 0; k < 40; ++k)
+      for (int j = 0; j < 40; ++j)
+        for (int i = 0; i < 40; ++i)
+          v.voxels.at(i, j, k) =
+              std::int16_t(150 + 400 * (std::sin(0.31 * i) + std::sin(0.27 * j + 1) * std::cos(0.23 * k)));
+    const contact::ContactVolume contact(v, {});
+    const voxel::HapticDecoder decoder(v);
+    std::mt19937_64 rng(5);
+    int felt[3] = {0, 0, 0}, apart = 0;
+    for (int n = 0; n < 20000; ++n) {
+      const Vec3 p = v.voxels.to_world_mm({uniform(rng, 0, 39), uniform(rng, 0, 39), uniform(rng, 0, 39)});
+      const int shape = contact.shape_at(p);
+      ++felt[shape], apart += shape != (decoder.trilinear(1, p) >= 0.5 ? 1 : decoder.trilinear(2, p) >= 0.5 ? 2 : 0);
+    }
+    EXPECT_GT(std::min({felt[0], felt[1], felt[2]}), 500);
+    // Where a layer parts what is open on its two sides, cells are boxes: air and the HU of nobody here.
+    EXPECT_LE(apart, bone_low == 101 ? 20 : 400) << bone_low;
+  }
+}

@@ -73,6 +73,17 @@ TEST(DrawnHu, ABallLiesWhereItsHuCrossTheThreshold) {
   }
 }
 
+// What the lattice cuts is drawn as far out as it is felt, where -1024 HU follow.
+TEST(DrawnHu, TheLatticesBorderIsDrawnWhereItIsFelt) {
+  voxel::HapticVolume v = raw_ball(100, true, 50, 50);
+  const drill::LiveSurface s(v, 1);
+  double most = -1;
+  for (const drill::LiveVertex& x : s.brick(s.layout().count() - 1).vertices)
+    most = std::max(most, double(x.position_mm[0]) / v.voxels.spacing_mm.x);
+  const double low = v.shapes.front().number == 1 ? v.shapes.front().window_low : v.shapes.back().window_low;
+  EXPECT_NEAR(most, v.voxels.size[0] - 1 + (50 - low) / (50.0 + 1024), 0.01);
+}
+
 TEST(DrawnHu, WhereWindowsMeetItIsDrawnAsItIsFelt) {
   const voxel::HapticVolume v = raw_ball(9.3, true, 1200, 40);
   const voxel::HapticDecoder felt(v);

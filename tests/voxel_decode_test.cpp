@@ -228,6 +228,21 @@ TEST(DecodeHu, ValuesOfNoWindowAreNobodys) {
   EXPECT_NEAR(d.trilinear(2, {3.5005, 0, 0}), 0.5, 1e-9);
 }
 
+// Where the first window ends does not depend on what else a cell holds: the HU between the two are nobody's.
+TEST(DecodeHu, AWindowEndsAtItsEndBeforeAGap) {
+  voxel::HapticVolume v;
+  v.encoding = voxel::HapticEncoding::hu;
+  grid::Lattice l;
+  l.size = {3, 2, 1};
+  v.voxels = grid::Grid<std::int16_t>(l, 50);
+  v.shapes = {{"soft", 1, 0, 100}, {"hard", 2, 170, 3000}};
+  for (const int beside : {50, 300}) {
+    v.voxels.at(1, 0, 0) = 130;
+    v.voxels.at(0, 1, 0) = std::int16_t(beside);
+    EXPECT_NEAR(voxel::HapticDecoder(v).trilinear(1, {50.5 / 80, 0, 0}), 0.5, 1e-9) << beside;
+  }
+}
+
 TEST(VoxelizeHu, ResamplesAndCounts) {
   grid::Lattice l;
   l.size = {4, 4, 4};

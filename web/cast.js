@@ -172,8 +172,8 @@ function castsOf({ ct, felt, transfers = {} }) {
     shapes = felt ? felt.shapes : []
   if (ct) for (const name of Object.keys(transfers)) casts.set(name, { of: 'ct', functions: [transfers[name]] })
   const offer = (name, some) => {
-    if (felt.shares) casts.set(name, { of: 'felt', shape: some.length === 1 ? some[0].number : 0 })
-    else if (ct) casts.set(name, { of: 'ct', functions: some.map(s => s.transfer) })
+    if (felt.shares) casts.set(name, { of: 'felt', shape: some.length === 1 ? some[0].number : 0, fixed: true })
+    else if (ct && ct.from === 'haptic') casts.set(name, { of: 'ct', functions: some.map(s => s.transfer), fixed: true })
   }
   if (shapes.length) offer('felt: all', shapes)
   if (shapes.length > 1) for (const s of shapes) offer('felt: ' + label(s.name), [s])

@@ -331,7 +331,7 @@ function listenToPanel(viewer) {
   const casts = castsOf(viewer.data),
     setCast = () => {
       const chosen = casts.get($('cast').value)
-      $('shift').disabled = !!chosen && chosen.of === 'felt'
+      $('shift').disabled = !!chosen && !!chosen.fixed
       viewer.cast = chosen ? { ...chosen, shift: $('shift').disabled ? 0 : +$('shift').value } : null
       redraw(viewer)
     }

@@ -214,9 +214,10 @@ void ContactCell::find_windows(const FeltLattice& felt) {
   boxes_ = boxes_ || count_ > 2;
   for (int n = 0; n < count_; ++n) {
     const int number = number_[std::size_t(n)], low = felt.table.low_of(number), high = felt.table.high_of(number);
-    double top = high + 0.5;  // towards HU of no window; towards another one, where that begins
+    int above = 0;
     for (int m = 0; m < count_ && count_ == 2; ++m)
-      top = std::max(top, double(felt.table.low_of(number_[std::size_t(m)])));
+      if (felt.table.low_of(number_[std::size_t(m)]) > high) above = number_[std::size_t(m)];
+    const double top = felt.table.top_of(number, above);
     for (std::size_t c = 0; c < 8; ++c) {
       const double hu = raw_[c];
       own_[std::size_t(n)][c] = hu <= high ? hu - low : 0;

@@ -26,8 +26,8 @@ double crossing_of(std::uint32_t a, std::uint32_t b) {
 // The same of encoding `hu`.
 double crossing_of_hu(const VoxelTable& table, int from, int to) {
   const int a = entry_shape(table.of(std::int16_t(from))), b = entry_shape(table.of(std::int16_t(to)));
-  const int upper = (from > to ? a : b) % contact_gap;
-  const double hu = upper != 0 ? table.low_of(upper) : table.high_of(from > to ? b : a) + 0.5;
+  const int upper = from > to ? a : b, lower = from > to ? b : a;
+  const double hu = lower != 0 ? table.top_of(lower, upper) : table.low_of(upper);
   return std::clamp((hu - from) / (to - from), 0.0, 1.0);
 }
 

@@ -16,6 +16,7 @@ VoxelTable::VoxelTable(const voxel::HapticVolume& volume) : entries_(65536, 0) {
 }
 
 void VoxelTable::add_windows(const std::vector<voxel::HapticShape>& shapes) {
+  group_ = voxel::adjoining_windows(shapes);
   int lowest = std::numeric_limits<int>::max();
   for (const voxel::HapticShape& s : shapes) lowest = std::min<int>(lowest, s.window_low);
   for (int raw = -32768; raw <= 32767; ++raw) entries_[std::uint16_t(raw)] = raw < lowest ? 0 : contact_gap;

@@ -27,12 +27,17 @@ class VoxelTable {
   /// Encoding `hu`: the ends of the shape's window.
   int low_of(int shape) const { return low_of_[std::size_t(shape)]; }
   int high_of(int shape) const { return high_of_[std::size_t(shape)]; }
+  /// Where the shape ends towards higher HU that belong to `above`; 0: to nobody.
+  double top_of(int shape, int above) const {
+    return above != 0 && group_[std::size_t(above)] == group_[std::size_t(shape)] ? low_of(above)
+                                                                                  : high_of(shape) + 0.5;
+  }
 
  private:
   void add_windows(const std::vector<voxel::HapticShape>& shapes);
   void add_shares(const std::vector<voxel::HapticShape>& shapes);
   std::vector<std::uint32_t> entries_;
-  std::array<int, voxel::haptic_max_shapes + 1> low_of_{}, high_of_{};
+  std::array<int, voxel::haptic_max_shapes + 1> low_of_{}, high_of_{}, group_{};
 };
 
 }  // namespace trephine::contact

@@ -41,9 +41,10 @@ double hu_occupancy(double hu, int low) {
 }
 
 HapticDecoder::HapticDecoder(const HapticVolume& volume) : volume_(volume) {
+  const std::array<int, haptic_max_shapes + 1> group = adjoining_windows(volume.shapes);
   for (const HapticShape& s : volume.shapes) {
     if (window_count_ == haptic_max_shapes || s.number < 1 || s.number > haptic_max_shapes) continue;
-    const Window w{s.number, s.window_low, s.window_high};
+    const Window w{s.number, s.window_low, s.window_high, group[std::size_t(s.number)]};
     lowest_ = window_count_ == 0 ? w.low : std::min(lowest_, w.low);
     windows_[std::size_t(window_count_++)] = w;
     by_number_[std::size_t(s.number)] = w;
@@ -105,7 +106,7 @@ double HapticDecoder::trilinear_at(int number, Vec3 index) const {
 }
 
 double HapticDecoder::trilinear_hu(const Window& window, const int* begin, const double* fraction) const {
-  double top = window.high + 0.5;  // towards HU of no window; towards another one, where that begins
+  double top = window.high + 0.5;  // towards HU of no window; towards one that adjoins, where that begins
   bool meets = false;
   const auto hu_at = [&](int i, int j, int k, bool within) {
     return within ? int(detail::load_voxel(volume_.voxels.voxels[volume_.voxels.index(i, j, k)])) : haptic_beyond_hu;
@@ -114,7 +115,7 @@ double HapticDecoder::trilinear_hu(const Window& window, const int* begin, const
     const int hu = hu_at(i, j, k, within);
     for (int n = 0; n < window_count_ && hu > window.high; ++n) {
       const Window& other = windows_[std::size_t(n)];
-      if (hu < other.low || hu > other.high) continue;
+      if (hu < other.low || hu > other.high || other.group != window.group) continue;
       top = meets ? std::min(top, double(other.low)) : other.low;
       meets = true;
     }

@@ -25,9 +25,9 @@ double hu_occupancy(double hu, int low);
 /// below. A voxel below every window ("air") has the same function, and so less than 1/2. Every other voxel, of another
 /// window, between windows or above them, has 0. trilinear() takes the weights w of the eight voxels and gives
 ///   a(low + min(sum of w (x - low) over x <= high, sum of w (top - x) over x >= low))
-/// where top is the low end of the next window among them above the shape's, or high + 1/2 where there is none. So the
-/// surface lies where the interpolated HU cross the low end of the upper of what meets there, as a contour's does, and
-/// is the same for both. Where it is less than 1/2 it may jump between cells.
+/// where top is the low end of the next window among them above the shape's, if no HU between the two are nobody's,
+/// else high + 1/2. So the surface lies where the interpolated HU cross the low end of the upper of what meets there,
+/// as a contour's does, and is the same for both of two windows that adjoin.
 class HapticDecoder {
  public:
   explicit HapticDecoder(const HapticVolume& volume);
@@ -45,7 +45,7 @@ class HapticDecoder {
 
  private:
   struct Window {
-    int number = 0, low = 1, high = 0;
+    int number = 0, low = 1, high = 0, group = 0;  ///< group: adjoining_windows()
   };
   double trilinear_at(int number, Vec3 index) const;
   double trilinear_hu(const Window& window, const int* begin, const double* fraction) const;

@@ -112,6 +112,19 @@ HapticShape occupancy_shape(const std::string& name, int number) {
   return {name, number, std::int16_t(base + 1), std::int16_t(base + haptic_bare_offset + haptic_full)};
 }
 
+std::array<int, haptic_max_shapes + 1> adjoining_windows(const std::vector<HapticShape>& shapes) {
+  std::vector<HapticShape> sorted = shapes;
+  std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.window_low < b.window_low; });
+  std::array<int, haptic_max_shapes + 1> group{};
+  int now = 0, end = 0;
+  for (const HapticShape& s : sorted) {
+    if (now == 0 || s.window_low != end + 1) ++now;
+    if (s.number >= 1 && s.number <= haptic_max_shapes) group[std::size_t(s.number)] = now;
+    end = s.window_high;
+  }
+  return group;
+}
+
 void check_haptic_volume(const HapticVolume& volume) {
   check_lattice(volume.voxels, volume.voxels.voxels.size());
   check_shapes(volume);

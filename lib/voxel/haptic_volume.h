@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -24,8 +25,9 @@ namespace trephine::voxel {
 /// Encoding `hu`: the voxels are a CT's HU, and a shape is a window of them. Windows are disjoint, at most 32, and
 /// begin above -1024 HU, so that no window holds what lies outside of the lattice or what was cut away. Surfaces
 /// lie where the interpolated HU cross an end of a window: towards lower HU the low end of the shape's own, towards
-/// higher ones the low end of the next window, or the shape's high end where there is none. So windows that meet share
-/// a surface, and what was cut away never becomes a film of another shape.
+/// higher ones the low end of the window that lies there, if no HU between the two are nobody's, else the shape's high
+/// end. So windows that adjoin share a surface, and what was cut away never becomes a film of another shape. Where
+/// three windows meet in one cell of eight voxels, the nearest voxel decides where it is felt.
 ///
 /// Raw values must never be interpolated or subtracted: decode the occupancy of one shape first (voxel/decode.h).
 constexpr std::int16_t haptic_empty = 0;
@@ -56,6 +58,10 @@ HapticVolume copy_without_hardness(const HapticVolume& volume);
 
 /// The windows that encoding `occupancy` gives to shape `number`.
 HapticShape occupancy_shape(const std::string& name, int number);
+
+/// Encoding `hu`, by number of shape: windows of which each begins where the one below ends have the same group, above
+/// 0.
+std::array<int, haptic_max_shapes + 1> adjoining_windows(const std::vector<HapticShape>& shapes);
 
 /// Throws Error 65 naming the field unless numbers, names and windows are as said above, every voxel of encoding
 /// `occupancy` is EMPTY or has a value of a declared shape, spacing is positive and finite, and hardness fits. An error

@@ -14,7 +14,7 @@ double share_of(double hu_inside) { return std::clamp(0.5 + hu_inside / (2 * rea
 
 }  // namespace
 
-HuShares::HuShares(const HapticVolume& volume, int number) : volume_(volume) {
+HuShares::HuShares(const HapticVolume& volume, int number) : volume_(volume), group_(adjoining_windows(volume.shapes)) {
   for (const HapticShape& s : volume.shapes)
     if (s.number == number) own_ = s;
 }
@@ -22,7 +22,8 @@ HuShares::HuShares(const HapticVolume& volume, int number) : volume_(volume) {
 // Where the shape ends towards a voxel above it.
 double HuShares::top_towards(int hu) const {
   for (const HapticShape& s : volume_.shapes)
-    if (hu >= s.window_low && hu <= s.window_high) return s.window_low;
+    if (hu >= s.window_low && hu <= s.window_high && group_[std::size_t(s.number)] == group_[std::size_t(own_.number)])
+      return s.window_low;
   return own_.window_high + 0.5;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <array>
 #include <optional>
 
 #include "voxel/haptic_volume.h"
@@ -21,6 +22,7 @@ class HuShares {
   double top_towards(int hu) const;
   const HapticVolume& volume_;
   HapticShape own_;
+  std::array<int, haptic_max_shapes + 1> group_;
 };
 
 }  // namespace trephine::voxel

@@ -66,7 +66,8 @@ ShadowVolume::ShadowVolume(const voxel::HapticVolume& volume, int number)
     : volume_(volume), number_(number), layout_(volume.voxels), known_(known_shares(volume, number)) {
   if (volume.encoding == voxel::HapticEncoding::hu) of_hu_.emplace(volume, number);
   for (int a = 0; a < 3; ++a) size_[a] = std::size_t(side * layout_.bricks[std::size_t(a)] + 4);
-  values_.assign(size_[0] * size_[1] * size_[2], 0);
+  const int beyond = of_hu_ ? known_[std::uint16_t(voxel::haptic_beyond_hu)] : 0;
+  values_.assign(size_[0] * size_[1] * size_[2], std::uint16_t(beyond));
   reads_it_.assign(layout_.count(), 0);
   const grid::Grid<std::int16_t>& v = volume.voxels;
   parallel_for(0, v.size[2], 4, [&](std::int64_t from, std::int64_t to) {
