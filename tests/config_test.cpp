@@ -102,11 +102,11 @@ TEST(Config, TheContourHasAShareOfDecimationsBound) {
     EXPECT_EQ(decimation(c).input_within_mm, used);
     return used;
   };
-  EXPECT_EQ(shares("1.2"), 1.2 / 6);
+  EXPECT_EQ(shares("1.2"), 1.2 / 8);
   EXPECT_EQ(shares("0.3"), 0);  // a tight bound leaves the contour as it is
   EXPECT_EQ(shares("1.2", {"skull.decimate.max_deviation_mm=0.1"}), 0);
   EXPECT_EQ(shares("1.2", {"skull.decimate.max_deviation_mm=0"}), 0);
-  EXPECT_EQ(shares("0.3", {"skull.decimate.max_deviation_mm=2.4"}), 2.4 / 6);
+  EXPECT_EQ(shares("0.3", {"skull.decimate.max_deviation_mm=2.4"}), 2.4 / 8);
   EXPECT_EQ(shares("1.2", {"skull.contour.within_mm=0"}), 0);
   EXPECT_EQ(shares("0.3", {"skull.contour.within_mm=0.15"}), 0.15);
 }

@@ -87,7 +87,7 @@ void keep_rule(ConfigReading& r) {
 /// to save triangles (docs/developers/decisions.md, 42). Who sets decimation to 0 or to a tight bound gets all
 /// triangles.
 void share_with_contour(ConfigReading& r, const std::string& name) {
-  constexpr double share = 1.0 / 6, least_mm = 0.08;
+  constexpr double share = 1.0 / 8, least_mm = 0.08;
   const auto recipe = std::find_if(r.out.anatomies.begin(), r.out.anatomies.end(),
                                    [&](const RecipeAnatomy& a) { return a.name == name; });
   if (recipe == r.out.anatomies.end()) return;
@@ -98,7 +98,7 @@ void share_with_contour(ConfigReading& r, const std::string& name) {
     if (!r.values.has(used) || !r.values.has(known)) continue;
     const double part_mm = share * r.values.number(next + ".max_deviation_mm", 0);
     if (r.values.origin(used).source == ValueSource::standard && part_mm >= least_mm)
-      r.values.set_value(used, part_mm, {ValueSource::rule, "a sixth of " + next + ".max_deviation_mm", {}});
+      r.values.set_value(used, part_mm, {ValueSource::rule, "an eighth of " + next + ".max_deviation_mm", {}});
     r.values.set_value(known, r.values.number(used, 0), {ValueSource::rule, used, {}});
   }
 }

@@ -28,7 +28,7 @@ owners=(
   'assimp/|meshio'
   'png\.h|picture ambf'
   'meshoptimizer|simulator'
-  'boost/beast|desk'
+  'boost/beast|desk simulator'
 )
 foreign='(itk[A-Z]|vtk[A-Z]|CGAL/|gdcm|yaml-cpp/|CLI/|tiny_gltf|assimp/|meshoptimizer|png\.h|zlib\.h|tbb/|oneapi/|openssl/|Eigen/|boost/)'
 
