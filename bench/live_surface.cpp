@@ -124,7 +124,7 @@ void draw_beside(const voxel::HapticVolume& whole, int number, const drill::Dril
           const Place& p = places[n];
           const Vec3 along = normalized(cross(p.out, std::abs(p.out.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
           pose.tip_mm = p.at + along * (0.02 * tick) - p.out * (0.001 * tick) - pose.frame.column[2] * cutter.radius_mm;
-          drills[n]->cut(pose, 0.001);
+          drills[n]->cut_way(pose, pose.tip_mm + along * 0.02, 0, 0.001);
         }
       marked.clear();
       marks.take(marked);
