@@ -57,7 +57,7 @@ bool CellMerge::cut_polygon(const Box& box, Vec3 normal, Room& room, std::vector
   return true;
 }
 
-/// Makes the block's triangles. Boxes whose polygons cannot be cut, or meet, are divided, and true is returned.
+/// Makes the block's triangles. Boxes whose polygons cannot be cut, or meet, are divided; returns how many.
 std::size_t CellMerge::cut(Block& block, Room& room) const {
   block.triangles.clear();
   std::size_t divided = 0;

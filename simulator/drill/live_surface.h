@@ -21,8 +21,8 @@ struct BrickMesh {
 };
 
 /// One shape's occupancy, 0 to `full`, as surfaces are made of it: a copy of the volume by the rule of shared voxels,
-/// or by the windows of encoding `hu`, with two EMPTY voxels around. So all bricks are made of the same values,
-/// whatever is cut meanwhile, and no crack opens between them.
+/// or by the windows of encoding `hu`, with two voxels of what lies beyond the lattice around. So all bricks are made
+/// of the same values, whatever is cut meanwhile, and no crack opens between them.
 class ShadowVolume {
  public:
   static constexpr int full = 65535;
