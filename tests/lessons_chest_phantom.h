@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 // A chest of cylinders and balls in which a needle goes to the vein: every length in it is known.
+#include <map>
+
 #include "lessons_case.h"
 
 namespace lessons_chest {
@@ -51,7 +53,7 @@ inline voxel::HapticVolume volume_of(bool artery) {
   return v;
 }
 
-inline case_samples::MemoryCase chest_case(bool artery) {
+inline case_samples::MemoryCase make_chest_case(bool artery) {
   const voxel::HapticVolume volume = volume_of(artery);
   case_samples::MemoryCase c = ::lesson_cases::case_of(artery ? "chest-artery" : "chest", volume);
   cases::CaseManifest& m = c.manifest;
@@ -68,6 +70,12 @@ inline case_samples::MemoryCase chest_case(bool artery) {
   if (artery) ::lesson_cases::add_shape(m, volume.shapes[5], "vein", {{}, wall, far_wall, 0.001, 0.002, 0}, false);
   c.seal();
   return c;
+}
+
+inline case_samples::MemoryCase chest_case(bool artery) {
+  static std::map<bool, case_samples::MemoryCase> made;  // once each, as heads are
+  if (made.count(artery) == 0) made.emplace(artery, make_chest_case(artery));
+  return made.at(artery);
 }
 
 }  // namespace lessons_chest

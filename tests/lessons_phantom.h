@@ -3,6 +3,8 @@
 // A head of spheres and ellipsoids in which lessons are done: every length in it is known.
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <tuple>
 
 #include "lessons_case.h"
 
@@ -72,7 +74,7 @@ inline voxel::HapticVolume volume_of(Kind kind, bool dura = false) {
   return v;
 }
 
-inline case_samples::MemoryCase head_case(Kind kind, double suture_confidence = 1, bool dura = false) {
+inline case_samples::MemoryCase make_head_case(Kind kind, double suture_confidence, bool dura) {
   const voxel::HapticVolume volume = volume_of(kind, dura);
   case_samples::MemoryCase c = case_of(kind == Kind::drilled ? "head-drilled" : "head", volume);
   cases::CaseManifest& m = c.manifest;
@@ -107,6 +109,14 @@ inline case_samples::MemoryCase head_case(Kind kind, double suture_confidence = 
                      {{"bone_thickness_mm", outer_mm - inner_mm}}}};
   c.seal();
   return c;
+}
+
+/// Made once for each set of arguments: many lessons are done on few heads.
+inline case_samples::MemoryCase head_case(Kind kind, double suture_confidence = 1, bool dura = false) {
+  static std::map<std::tuple<Kind, double, bool>, case_samples::MemoryCase> made;
+  const std::tuple key{kind, suture_confidence, dura};
+  if (made.count(key) == 0) made.emplace(key, make_head_case(kind, suture_confidence, dura));
+  return made.at(key);
 }
 
 }  // namespace lesson_cases

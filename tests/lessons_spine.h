@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 // A spine of plain shapes in which lessons are done: its pedicles are known exactly.
+#include <map>
+
 #include "grid/nrrd.h"
 #include "lessons_case.h"
 #include "phantom/spine.h"
@@ -55,7 +57,7 @@ inline std::pair<Vec3, Vec3> ends_of(const phantom::Spine& spine, const phantom:
   return {entry, entry + p.forwards * (0.75 * (behind + before))};
 }
 
-inline case_samples::MemoryCase spine_case(double confidence = 1) {
+inline case_samples::MemoryCase make_spine_case(double confidence) {
   const phantom::Spine spine;
   const voxel::HapticVolume volume = spine_volume(spine);
   case_samples::MemoryCase c = case_of("spine", volume);
@@ -80,6 +82,12 @@ inline case_samples::MemoryCase spine_case(double confidence = 1) {
   }
   c.seal();
   return c;
+}
+
+inline case_samples::MemoryCase spine_case(double confidence = 1) {
+  static std::map<double, case_samples::MemoryCase> made;  // once each, as heads are
+  if (made.count(confidence) == 0) made.emplace(confidence, make_spine_case(confidence));
+  return made.at(confidence);
 }
 
 }  // namespace lesson_cases

@@ -109,7 +109,7 @@ class Listeners:
 
 
 def nothing_told(check, desk, out, who):
-    time.sleep(8)  # for whatever is on its way
+    time.sleep(5)  # for whatever is on its way
     told = out.secret()
     check(told != desk.token[:DIGITS], f"{who}: packets told {told} of {desk.token}")
     leaks = [c[:300] for c in out.came if desk.token in c]

@@ -12,6 +12,9 @@ coarse=(--set "resample.spacing_mm=[2.5,2.5,2.5]")
 coarsest=(--set "resample.spacing_mm=[3.5,3.5,3.5]" --set "haptic.spacing_mm=[2,2,2]")
 ((LONG == 0)) || coarse=() coarsest=()
 
+# long_only: what follows is done by the long suite alone, by the script's twin program.Long_NAME (tests/CMakeLists.txt).
+long_only() { ((LONG)) || [[ ${WHOLE:-0} == 1 ]] || { echo "ok; the rest is for the long suite"; exit 0; }; }
+
 fail() { echo "FAILED: $*" >&2; exit 1; }
 # skip WHY: what the test needs is missing. In ./check, which installs it, that is a failure.
 skip() { [[ ${TREPHINE_CHECK:-} != 1 ]] || fail "$*"; echo "skipped: $*"; exit 77; }

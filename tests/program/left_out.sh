@@ -55,6 +55,9 @@ if [[ ${SIM:-} ]]; then
   code=0; "$SIM" lesson "$library/d" --script examples/lessons/ventriculostomy.json --record "$work/l.lesson" >"$work/said" 2>&1 || code=$?
   [[ $code == 65 ]] && grep -q 'the lesson needs bone, brain and ventricles' "$work/said" || { cat "$work/said" >&2; fail "the lesson: $code"; }
 fi
+
+long_only
+
 for again in 1 2; do
   "${run[@]}" "${no_ventricles[@]}" >"$work/said" 2>&1 || { cat "$work/said" >&2; fail "a check ended run $again"; }
   grep -q 'ventricles: left out: .* ml of the ventricles lie outside' "$work/said" || { cat "$work/said" >&2; fail "no word of it"; }

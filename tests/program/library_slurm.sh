@@ -151,6 +151,42 @@ grep -q 'case.bad .*failed .*80' said && grep -q 'case.bad .*stale' said || fail
 "$TREPHINE" library timeline "$work/out" --output t.svg
 grep -q '<title>case\.[a-z]*: .* s; [a-z]' t.svg && python3 -c 'import xml.dom.minidom; xml.dom.minidom.parse("t.svg")' || fail "timeline"
 
+# One scan that is gone stops no other case.
+cp l.yaml all.yaml
+sed -i '/case: bad/d' l.yaml
+sed 's|case: b, series: DOE_2|case: b, series: gone|' l.yaml >gone.yaml
+"$TREPHINE" library plan gone.yaml --out "$work/out" --no-pictures --rebuild --format json >plan.json 2>said || fail "a plan with a scan that is gone: $(cat said)"
+grep -q 'warning: b: .*no such file' said || fail "which scan is gone: $(cat said)"
+python3 - <<'PY'
+import json
+jobs = {j["name"]: j for j in json.load(open("plan.json"))["jobs"]}
+assert {"case.a", "case.b", "case.c", "case.e"} <= set(jobs) and jobs["case.c"]["after"] == ["case.a"], jobs
+PY
+expect 66 'no such file' "$TREPHINE" library one gone.yaml --out "$work/out" case.b --quiet
+expect 64 'no such job' "$TREPHINE" library one l.yaml --out "$work/out" phantom.other --quiet
+"$TREPHINE" library list "$work/out" --metrics >metrics
+grep -qx 'trephine_library_cases{state="published"} 5' metrics && grep -q '^trephine_stage_seconds{stage="skull.segment"} ' metrics || fail "metrics: $(cat metrics)"
+python3 - <<'PY'
+import re
+for line in open("metrics"):
+    assert re.fullmatch(r'# (HELP \w+ .*|TYPE \w+ gauge)|\w+(\{\w+="[^"]*"\})? -?[0-9.e+-]+', line.rstrip("\n")), line
+PY
+# Lines as objects, and levels.
+"$TREPHINE" library build l.yaml --out "$work/out" --rebuild --engine ninja --no-pictures --json-log >/dev/null 2>lines
+python3 - <<'PY'
+import json
+lines = [json.loads(line) for line in open("lines")]
+assert any(l["text"].startswith("a: ") for l in lines) and all(set(l) == {"time", "level", "program", "text"} for l in lines), lines
+assert {l["program"] for l in lines} == {"trephine library build"}, lines
+PY
+"$TREPHINE" library build l.yaml --out "$work/out" --rebuild --engine ninja --no-pictures --log-level warning >/dev/null 2>lines
+[[ ! -s lines ]] || fail "lines below their level: $(cat lines)"
+"$TREPHINE" library verify /nowhere --json-log 2>lines && fail "verify" || true
+python3 -c 'import json; l = json.loads(open("lines").read()); assert "nowhere" in l["text"]' || fail "$(cat lines)"
+cp all.yaml l.yaml
+
+long_only
+
 # What Slurm ended for want of memory or time gets the next class that grants more of it, until there is none.
 submitted() { ls "$FAKE/jobs" | wc -l; }
 words_since() { for ((n = $1 + 1; n <= $(submitted); n++)); do cat "$FAKE/jobs/$n/words"; done; }
@@ -236,34 +272,4 @@ for format in ninja make; do
   "$TREPHINE" library plan l.yaml --out "$work/out" --no-pictures --quiet >plan.json
   python3 -c 'import json; assert json.load(open("plan.json"))["jobs"] == []' || fail "a plan of nothing: $(cat plan.json)"
 done
-# One scan that is gone stops no other case.
-sed 's|case: b, series: DOE_2|case: b, series: gone|' l.yaml >gone.yaml
-"$TREPHINE" library plan gone.yaml --out "$work/out" --no-pictures --rebuild --format json >plan.json 2>said || fail "a plan with a scan that is gone: $(cat said)"
-grep -q 'warning: b: .*no such file' said || fail "which scan is gone: $(cat said)"
-python3 - <<'PY'
-import json
-jobs = {j["name"]: j for j in json.load(open("plan.json"))["jobs"]}
-assert {"case.a", "case.b", "case.c", "case.e"} <= set(jobs) and jobs["case.c"]["after"] == ["case.a"], jobs
-PY
-expect 66 'no such file' "$TREPHINE" library one gone.yaml --out "$work/out" case.b --quiet
-expect 64 'no such job' "$TREPHINE" library one l.yaml --out "$work/out" phantom.other --quiet
-"$TREPHINE" library list "$work/out" --metrics >metrics
-grep -qx 'trephine_library_cases{state="published"} 5' metrics && grep -q '^trephine_stage_seconds{stage="skull.segment"} ' metrics || fail "metrics: $(cat metrics)"
-python3 - <<'PY'
-import re
-for line in open("metrics"):
-    assert re.fullmatch(r'# (HELP \w+ .*|TYPE \w+ gauge)|\w+(\{\w+="[^"]*"\})? -?[0-9.e+-]+', line.rstrip("\n")), line
-PY
-# Lines as objects, and levels.
-"$TREPHINE" library build l.yaml --out "$work/out" --rebuild --engine ninja --no-pictures --json-log >/dev/null 2>lines
-python3 - <<'PY'
-import json
-lines = [json.loads(line) for line in open("lines")]
-assert any(l["text"].startswith("a: ") for l in lines) and all(set(l) == {"time", "level", "program", "text"} for l in lines), lines
-assert {l["program"] for l in lines} == {"trephine library build"}, lines
-PY
-"$TREPHINE" library build l.yaml --out "$work/out" --rebuild --engine ninja --no-pictures --log-level warning >/dev/null 2>lines
-[[ ! -s lines ]] || fail "lines below their level: $(cat lines)"
-"$TREPHINE" library verify /nowhere --json-log 2>lines && fail "verify" || true
-python3 -c 'import json; l = json.loads(open("lines").read()); assert "nowhere" in l["text"]' || fail "$(cat lines)"
 echo ok

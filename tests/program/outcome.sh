@@ -40,9 +40,6 @@ for p in (t["tip_mm"], [0, 0, 100], [60, 20, 60]):
     assert off(at(rows), at(sum(truth["head_to_scan"], []))) < 0.8, p
 PY
 if grep -rlE 'PHANTOM|TREPHINE\^|1\.2\.826|/(tmp|work|home)/' one; then fail "something of the patient or the place is in it"; fi
-"$TREPHINE" outcome library/head --series cathetered/dicom --out again --threads 1 --quiet
-cmp one/outcome.json again/outcome.json && cmp one/outcome.png again/outcome.png || fail "other bytes"
-
 # The lesson's rows: those that a CT shows, by the lesson's own functions; the rest is not judged.
 score one
 grep -q 'MEASURED on a CT' table || fail "not said what it is: $(cat table)"
@@ -62,6 +59,18 @@ score one
 [[ $(wc -l <attempts.csv) == 2 ]] || fail "one outcome is two attempts: $(cat attempts.csv)"
 mkdir results && cp one/score.json results/r-01-real.json
 "$SIM" group results --page group.html >/dev/null || fail "no group reads it"
+
+# Of another case's outcome nothing is judged, and a spoilt one is refused by name.
+sed 's/"case_sha256": "./"case_sha256": "x/' one/outcome.json >other.json
+expect 65 'other.json: case_sha256: .*another case.json' "$SIM" score-outcome other.json --case library/head --rubric rubric.json \
+  --participant r-01
+sed 's/"found"/"surely"/' one/outcome.json >bad.json
+expect 65 'bad.json: .*sighting' "$SIM" score-outcome bad.json --case library/head --rubric rubric.json --participant r-01
+expect 64 'participant' "$SIM" score-outcome one/outcome.json --case library/head --rubric rubric.json --participant 'Jane Doe'
+long_only
+
+"$TREPHINE" outcome library/head --series cathetered/dicom --out again --threads 1 --quiet
+cmp one/outcome.json again/outcome.json && cmp one/outcome.png again/outcome.png || fail "other bytes"
 
 # No catheter: none is found, and nothing of it is judged.
 after bare 3
@@ -116,10 +125,3 @@ open("mirrored.mha", "wb").write(head + out)
 PY
 spoilt mirrored_out --series mirrored.mha --volume-values hu
 
-# Of another case's outcome nothing is judged, and a spoilt one is refused by name.
-sed 's/"case_sha256": "./"case_sha256": "x/' one/outcome.json >other.json
-expect 65 'other.json: case_sha256: .*another case.json' "$SIM" score-outcome other.json --case library/head --rubric rubric.json \
-  --participant r-01
-sed 's/"found"/"surely"/' one/outcome.json >bad.json
-expect 65 'bad.json: .*sighting' "$SIM" score-outcome bad.json --case library/head --rubric rubric.json --participant r-01
-expect 64 'participant' "$SIM" score-outcome one/outcome.json --case library/head --rubric rubric.json --participant 'Jane Doe'

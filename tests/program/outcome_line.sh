@@ -68,6 +68,10 @@ PY
 score one --task left
 grep -q 'CRITICAL: .*wrong side' table || fail "no wrong side: $(cat table)"
 
+expect 64 'line_tip_mm.*without a line' "$TREPHINE" phantom none "${scan[@]}" --line-tip-mm 3
+
+long_only
+
 # Through the vein into the lung.
 after lung 3 --line left --line-ends lung
 "$TREPHINE" outcome library/chest --series lung/dicom --out lung_out >said
@@ -94,4 +98,3 @@ if [[ $got != 80 ]]; then
   score other_out
   ! grep -Eq '^(Puncture|Direction|Blood|Artery|Pleura).* [1-5]  ' table || fail "judged: $(cat table)"
 fi
-expect 64 'line_tip_mm.*without a line' "$TREPHINE" phantom none "${scan[@]}" --line-tip-mm 3

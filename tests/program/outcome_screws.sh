@@ -63,6 +63,12 @@ assert f["gertzbein_grade"] >= 1 and f["medial_wall_mm"] > f["lateral_wall_mm"],
 assert abs(f["medial_wall_mm"] - true) < 1, (f["medial_wall_mm"], true)
 assert next(r for r in broken["rows"] if r["name"] == "breach")["score"] == 1
 PY
+# Another level than the one that was asked for is the wrong one.
+score one_out --task pedicle_1_left
+[[ $level == 1 ]] || grep -q 'wrong level\|another level\|was asked for' table || fail "a wrong level is none: $(cat table)"
+
+long_only
+
 # A needle on the axis of a pedicle, and the same in the simulator: judged alike.
 "$TREPHINE" rubric "$SOURCE/configs/rubrics/spine_needle.yaml" --output needle_rubric.json --quiet
 after needled 3 --screws left --screw-kind needle --screw-diameter-mm 3 --screw-length-mm 42
@@ -107,10 +113,6 @@ PY
 # A rubric of a screw finds none: it is a needle.
 score needled_out
 grep -q 'the CT shows no screw there' table || fail "a needle is a screw: $(cat table)"
-
-# Another level than the one that was asked for is the wrong one.
-score one_out --task pedicle_1_left
-[[ $level == 1 ]] || grep -q 'wrong level\|another level\|was asked for' table || fail "a wrong level is none: $(cat table)"
 
 # No screws: nothing is judged.
 after bare 3

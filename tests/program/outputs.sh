@@ -73,6 +73,9 @@ expect 64 '--cache: lies in the case' "${run[@]}" --cache "$case"
 cp "$work/other/dicom"/* "$work/series"
 expect 64 'series: 2 usable series.*--set import.series=s1' "${run[@]}"
 expect 64 'proposed is s1-.*--set import.series_rule=best takes it' "${run[@]}"
+
+long_only
+
 "${run[@]}" --set import.series=s1 --no-pictures
 [[ $first != "$(case_digest "$case")" ]] || fail "the choice of the series is not among the case's parameters"
 echo ok

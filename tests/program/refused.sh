@@ -74,6 +74,12 @@ code=0
 ((code == 81)) || fail "exit code $code instead of 81"
 [[ $(ls "$library/b.refused") == message.txt ]] || fail "more than the message: $(ls "$library/b.refused")"
 
+# The library's gc removes it.
+"$TREPHINE" library gc "$library" | grep -q '1 folders without a case' || fail "gc does not count it"
+[[ ! -e $library/b.refused ]] || fail "gc leaves it"
+
+long_only
+
 # A scene that takes the face away, refused before its gate, which waits for all that would be published: no picture of the scan, none of the skin.
 python3 - "$library/a/case.json" "$SOURCE" "$work/defaced_scene.yaml" >"$work/defaced.yaml" <<'PY'
 import json, sys
@@ -93,8 +99,4 @@ for picture in skin_sides axial coronal sagittal fault landmarks; do
   [[ ! -e $library/b.refused/$picture.png ]] || fail "$picture.png may show a face"
 done
 [[ -s $library/b.refused/message.txt && -s $library/b.refused/brain_sides.png ]] || fail "message or brain missing: $(ls "$library/b.refused")"
-
-# The library's gc removes it.
-"$TREPHINE" library gc "$library" | grep -q '1 folders without a case' || fail "gc does not count it"
-[[ ! -e $library/b.refused ]] || fail "gc leaves it"
 echo "refused: kept for looking, remedied, collected"

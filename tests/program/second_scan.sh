@@ -33,8 +33,8 @@ expect 80 'doubtful: .*largest_inverse_mm' "$TREPHINE" register ct.nrrd head/sec
 
 # A transform of another program to begin with, and one that is none.
 "$TREPHINE" register ct.nrrd head/second/scan.nrrd "${quick[@]}" --initial head/second/truth.tfm --output mr.nrrd
-"$TREPHINE" register ct.nrrd head/second/scan.nrrd --given head/second/truth.tfm --transform again.h5 --output mr1.nrrd --quiet 2>said
-"$TREPHINE" register ct.nrrd head/second/scan.nrrd --given again.h5 --transform again.tfm --output mr2.nrrd --quiet 2>said
+"$TREPHINE" register ct.nrrd head/second/scan.nrrd "${quick[@]}" --given head/second/truth.tfm --transform again.h5 --output mr1.nrrd 2>said
+"$TREPHINE" register ct.nrrd head/second/scan.nrrd "${quick[@]}" --given again.h5 --transform again.tfm --output mr2.nrrd 2>said
 cmp -s mr1.nrrd mr2.nrrd && cmp -s again.tfm head/second/truth.tfm || fail "HDF5 holds another transform: $(cat again.tfm)"
 
 # A given transform that is 2 mm off in plane is found by the images; what the message says to do works.
