@@ -9,7 +9,7 @@ add_dependencies(extremes_test trephine-itk)
 target_include_directories(extremes_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(extremes_test PRIVATE TREPHINE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 # One process for many sections: they share their scenes. The stages listed take some seconds each, and are swept in the long suite.
-set(slow anatomy brain canal clavicle deface face_gate pedicles register remesh t1_contrast vein ventricles voxelize zone)
+set(slow anatomy brain canal clavicle deface external face_gate pedicles register remesh t1_contrast vein ventricles voxelize zone)
 set(extremes_tests)
 foreach(part parameters inputs)
   list(TRANSFORM slow PREPEND Extremes.*/${part}_ OUTPUT_VARIABLE filter)

@@ -73,9 +73,12 @@ class WitnessedDevice : public Device {
     pose_.reading.buttons = haptics::haptic_button::lifted;
     bool answered = false;
     while (there && !answered && !refused_ && Clock::now() - begin_ < first_answer) {
-      if (!send_pose() && errno == ECONNREFUSED) break;  // nothing listens there
+      // That nothing listens there is reported once, to whichever call comes next.
+      if (!send_pose() && errno == ECONNREFUSED) break;
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      errno = 0;
       answered = answers() > 0;
+      if (!answered && errno == ECONNREFUSED) break;
     }
     if (!answered) {
       if (socket_ >= 0) ::close(socket_);

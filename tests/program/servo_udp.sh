@@ -71,7 +71,7 @@ grep -q '^the drilled volume is the same$' "$work/said" || fail "another volume"
 case=$work/sample
 
 # Killed while it presses.
-begin --timeout-ms 200 --resume-s 0 --seconds 8 --record "$work/b.servo"
+begin --timeout-ms 200 --resume-s 0 --seconds 4 --record "$work/b.servo"
 "$work/client" 127.0.0.1 "$port" 60 1 -20 384 0 0 -1 3 >"$work/client_text" &
 first=$!
 for _ in $(seq 30000); do grep -q '^servo at ' "$work/text" && break; sleep 0.01; done
@@ -94,12 +94,12 @@ assert frames[lost - 1][1] - frames[last][1] < 0.3 + 1e-6 * frames[last][25], (f
 PY
 
 # Two at once: the second is refused, and the first does not feel it.
-begin --timeout-ms 10000 --seconds 5
-client 7 >"$work/client_text" &
+begin --timeout-ms 10000 --seconds 3
+client 5 >"$work/client_text" &
 first=$!
 for _ in $(seq 30000); do grep -q '^servo at ' "$work/text" && break; sleep 0.01; done
 code=0
-client 2 >"$work/second" || code=$?
+client 1 >"$work/second" || code=$?
 [[ $code == 2 ]] || fail "the second client ended with $code"
 grep -q ' 0 answers.*force at most 0\.000 N, another client is there' "$work/second" || { cat "$work/second"; fail "second"; }
 wait $first || fail "the first client: $(cat "$work/client_text")"
