@@ -117,8 +117,8 @@ std::string text(const Report& r, const std::string& name) {
   return f ? std::get<std::string>(*f) : "";
 }
 
-/// Spine and shoulder blades, and a rod as round and as long as a clavicle.
-grid::Field rod_among_bones(Vec3 medial_mm, Vec3 lateral_mm) {
+/// Spine and shoulder blades, and a rod as round and as long as a clavicle; and a pole that stands there.
+grid::Field rod_among_bones(Vec3 medial_mm, Vec3 lateral_mm, Vec3 pole_mm = {0, 1000, 0}) {
   const grid::Lattice l = lattice(300, 150, 100, {1, 1, 1}, {-150, -90, -50});
   grid::Field bone(l);
   for (int k = 0; k < l.size[2]; ++k)
@@ -127,7 +127,8 @@ grid::Field rod_among_bones(Vec3 medial_mm, Vec3 lateral_mm) {
         const Vec3 p = l.to_world_mm({double(i), double(j), double(k)});
         const double spine = 14 - std::hypot(p.x, p.y - 45), blade = 6 - std::abs(std::abs(p.x) - 135);
         const double blades = std::min({blade, 15 - std::abs(p.y - 30), 30 - std::abs(p.z)});
-        bone.at(i, j, k) = float(std::max({spine, blades, 6 - to_line({medial_mm, lateral_mm}, p)}) + 1e-3);
+        const double pole = 4 - std::hypot(p.x - pole_mm.x, p.y - pole_mm.y);
+        bone.at(i, j, k) = float(std::max({spine, blades, pole, 6 - to_line({medial_mm, lateral_mm}, p)}) + 1e-3);
       }
   return bone;
 }
@@ -145,6 +146,14 @@ TEST(Clavicle, ARibOfTheOtherSideIsNone) {
   EXPECT_TRUE(sides({-20, 20, 0}, {-112, -5, -10}).empty());
   EXPECT_TRUE(sides({20, 20, 0}, {112, -5, -10}).empty());
   EXPECT_TRUE(sides({-20, 62, 20}, {-112, 70, 30}).empty()) << "behind";
+}
+
+// Where something dense touches a clavicle it is not round; a rod that holds a phantom together does so.
+TEST(Clavicle, GoesOnBeyondWhatTouchesIt) {
+  const auto made = trunk::find_clavicles(rod_among_bones({-20, -20, 20}, {-112, 10, 30}, {-66, 1, 0}), {});
+  ASSERT_EQ(made.result.sides.size(), 1u);
+  EXPECT_NEAR(made.result.sides.front().second.length_mm, 97, 8);
+  EXPECT_NEAR(made.result.sides.front().second.volume_ml, M_PI * 36 * 101e-3, 0.8);
 }
 
 TEST(LongClavicle, BothArePartedFromSternumAndScapula) {

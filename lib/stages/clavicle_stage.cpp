@@ -8,7 +8,7 @@ namespace trephine::stages {
 StageType clavicle_stage() {
   StageType s;
   s.name = "clavicle";
-  s.version = 2;
+  s.version = 3;
   s.typical.base_s = 0.05;
   s.typical.per_million_voxels_s = 0.015;
   s.typical.surface_million = 0.15;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
 #include "base/refusal.h"
@@ -40,28 +41,63 @@ std::vector<BlobChain> chains_of(const mask::BitMask& bone, const ClavicleParams
   return clavicle_chains(core, p, progress);
 }
 
-/// 1 in the chain's blobs; 2 in all other bone that is not just beyond its ends, where the joints are.
+/// Of a plane in which the chain has no blob, where it goes through, by the blobs beside the gap. In one that has a blob
+/// the radius is 0, and beyond the chain's ends endless.
+struct Middle {
+  double j = 0, k = 0, radius_mm = std::numeric_limits<double>::infinity();
+  double off_mm(int at_j, int at_k, const grid::Lattice& l) const {
+    return std::hypot((at_j - j) * l.spacing_mm.y, (at_k - k) * l.spacing_mm.z);
+  }
+};
+std::vector<Middle> middles_of(const BlobChain& chain, const grid::Lattice& l) {
+  std::vector<Middle> out(std::size_t(l.size[0]));
+  for (std::size_t n = 0; n < chain.blobs.size(); ++n) {
+    const Blob &a = chain.blobs[n], &b = chain.blobs[std::min(n + 1, chain.blobs.size() - 1)];
+    out[std::size_t(a.i)].radius_mm = 0;
+    for (int i = a.i + 1; i < b.i; ++i) {
+      const Vec3 at = a.middle + (b.middle - a.middle) * (double(i - a.i) / (b.i - a.i));
+      out[std::size_t(i)] = {at.y, at.z, std::sqrt((a.area_mm2 + b.area_mm2) / 2 / M_PI)};
+    }
+  }
+  return out;
+}
+
+/// 1 in the chain, its gaps too; 2 in all other bone that is not just beyond its ends, where the joints are.
 grid::Mask seeds_of(const mask::BitMask& bone, const BlobChain& chain) {
   const grid::Lattice& l = bone.lattice();
   grid::Mask seeds(l);
   const int reach = int(std::lround(joint_reach_mm / l.spacing_mm.x));
   const int from = chain.blobs.front().i, to = chain.blobs.back().i;
+  const std::vector<Middle> middles = middles_of(chain, l);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
-      for (int i = 0; i < l.size[0]; ++i)
-        if ((i < from - reach || i > to + reach) && bone.get(i, j, k)) seeds.at(i, j, k) = 2;
+      for (int i = 0; i < l.size[0]; ++i) {
+        if (!bone.get(i, j, k)) continue;
+        if (i < from - reach || i > to + reach) seeds.at(i, j, k) = 2;
+        const Middle& at = middles[std::size_t(i)];
+        if (i > from && i < to && at.off_mm(j, k, l) < at.radius_mm) seeds.at(i, j, k) = 1;
+      }
   for (const Blob& b : chain.blobs)
     for (const Blob::Run& r : b.runs)
       for (int j = r.begin; j < r.end; ++j) seeds.at(b.i, j, r.k) = 1;
   return seeds;
 }
 
+mask::BitMask of_chain(const grid::Mask& seeds) {
+  return mask::make_mask(seeds, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < seeds.size[0]; ++i) row[i] = seeds.at(i, j, k) == 1;
+  });
+}
+
 /// Also 2 in what lies beside the chain in its planes, and in what lies beyond them and joins it only by a narrow neck.
 void add_others(grid::Mask& seeds, const mask::BitMask& bone, const BlobChain& chain, double core_mm,
                 const Progress& progress) {
-  const mask::BitMask mine = mask::make_mask(seeds, [&](int j, int k, std::uint8_t* row) {
-    for (int i = 0; i < seeds.size[0]; ++i) row[i] = seeds.at(i, j, k) == 1;
-  });
+  const mask::BitMask mine = of_chain(seeds);
+  const std::vector<Middle> middles = middles_of(chain, seeds);
+  const auto is_beside = [&](int i, int j, int k) {
+    const Middle& at = middles[std::size_t(i)];
+    return at.radius_mm == 0 || at.off_mm(j, k, seeds) > 1.4 * at.radius_mm;
+  };
   for (int step = 0; step <= 3; ++step) {
     const mask::BitMask core = step == 0 ? bone : mask::eroded(bone, step * core_mm, progress);
     const mask::Components pieces = mask::components(core);
@@ -71,8 +107,7 @@ void add_others(grid::Mask& seeds, const mask::BitMask& bone, const BlobChain& c
       for (int j = 0; j < seeds.size[1]; ++j)
         for (int i = 0; i < seeds.size[0]; ++i)
           if (seeds.at(i, j, k) == 0 && core.get(i, j, k)) {
-            const bool beside = i >= chain.blobs.front().i && i <= chain.blobs.back().i;
-            if (!hanging.get(i, j, k) || (in_planes && beside)) seeds.at(i, j, k) = 2;
+            if (!hanging.get(i, j, k) || (in_planes && is_beside(i, j, k))) seeds.at(i, j, k) = 2;
           }
     if (core_mm == 0) break;
   }
@@ -103,6 +138,7 @@ Parted parted(const mask::BitMask& bone, const BlobChain& chain, const ClavicleP
   BlobChain moved = chain;
   for (Blob& b : moved.blobs) {
     b.i -= box.begin[0];
+    b.middle = b.middle - Vec3{double(box.begin[0]), double(box.begin[1]), double(box.begin[2])};
     for (Blob::Run& r : b.runs) r.k -= box.begin[2], r.begin -= box.begin[1], r.end -= box.begin[1];
   }
   grid::Mask seeds = seeds_of(here, moved);
@@ -110,10 +146,9 @@ Parted parted(const mask::BitMask& bone, const BlobChain& chain, const ClavicleP
   mask::BitMask air = here;
   air.invert();
   const grid::Mask labels = mask::flood(mask::distance_mm(air, progress), here, seeds, progress);
-  mask::BitMask mine = mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
-    for (int i = 0; i < l.size[0]; ++i) row[i] = labels.at(i, j, k) == 1;
-  });
-  mine = mask::largest(mask::components(mine));
+  // More than one piece where the clavicle is broken.
+  const mask::Components pieces = mask::components(of_chain(labels));
+  const mask::BitMask mine = mask::select(pieces, mask::touching(pieces, of_chain(seeds)));
   Parted out;
   const double face[3] = {l.spacing_mm.y * l.spacing_mm.z, l.spacing_mm.x * l.spacing_mm.z,
                           l.spacing_mm.x * l.spacing_mm.y};

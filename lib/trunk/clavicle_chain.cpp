@@ -17,6 +17,8 @@ constexpr double min_overlap = 0.3;  ///< of the smaller blob's area, from plane
 constexpr double usual_front = 0.5;  ///< more free ways to the front than this share speak for a blob, fewer against it
 constexpr double front_reach_mm = 200;
 constexpr double longest_mm = 200;
+/// A clavicle goes on beyond so wide a gap, of a fracture or where something dense touches it, if both parts are so long.
+constexpr double gap_mm = 9, part_mm = 20;
 constexpr double max_mean_area_mm2 = 330;  ///< a raised humerus is thicker
 constexpr int front_rays = 5;
 constexpr double front_fan_deg = 40;
@@ -119,7 +121,7 @@ double overlap_mm2(const Blob& a, const Blob& b, const grid::Lattice& l) {
 
 struct Node {
   double weight = 0, sum = 0;
-  int before = -1;  ///< index into the plane before
+  int before = -1, planes_back = 1;  ///< index into that plane before
   int length = 1;
   bool used = false;
 };
@@ -176,7 +178,8 @@ std::vector<BlobChain> clavicle_chains(const mask::BitMask& core, const Clavicle
   });
   const Vec3 middle_mm = middle_of(core);
   std::vector<BlobChain> found;
-  const int longest = int(longest_mm / l.spacing_mm.x);
+  const int longest = int(longest_mm / l.spacing_mm.x), widest_gap = std::max(1, int(gap_mm / l.spacing_mm.x)),
+            shortest_part = int(part_mm / l.spacing_mm.x);
   for (int tries = 0; tries < 12 && found.size() < 2; ++tries) {
     double best = 0;
     int end_i = -1, end_n = -1;
@@ -186,27 +189,35 @@ std::vector<BlobChain> clavicle_chains(const mask::BitMask& core, const Clavicle
         node.sum = node.used ? -1e9 : node.weight;
         node.before = -1;
         node.length = 1;
-        if (i == 0 || node.used) continue;
+        if (node.used) continue;
         const Blob& here = planes[i][n];
-        for (std::size_t m = 0; m < nodes[i - 1].size(); ++m) {
-          const Node& other = nodes[i - 1][m];
-          if (other.used || other.sum <= 0 || other.sum + node.weight <= node.sum || other.length >= longest) continue;
-          const Blob& there = planes[i - 1][m];
-          if (overlap_mm2(here, there, l) < min_overlap * std::min(here.area_mm2, there.area_mm2)) continue;
-          node.sum = other.sum + node.weight;
-          node.before = int(m);
-          node.length = other.length + 1;
-        }
+        for (int back = 1; back <= std::min(i, widest_gap); ++back)
+          for (std::size_t m = 0; m < nodes[i - back].size(); ++m) {
+            const Node& other = nodes[i - back][m];
+            const double sum = other.sum + node.weight - usual_front * (back - 1) * l.spacing_mm.x;
+            if (other.used || other.sum <= 0 || sum <= node.sum || other.length + back > longest) continue;
+            if (back > 1 && other.length < shortest_part) continue;
+            const Blob& there = planes[i - back][m];
+            if (overlap_mm2(here, there, l) < min_overlap * std::min(here.area_mm2, there.area_mm2)) continue;
+            node.sum = sum;
+            node.before = int(m);
+            node.planes_back = back;
+            node.length = other.length + back;
+          }
         if (node.sum > best) best = node.sum, end_i = i, end_n = int(n);
       }
     if (end_i < 0) break;
     BlobChain chain;
     double area = 0;
-    for (int i = end_i, n = end_n; n >= 0; n = nodes[i].at(n).before, --i) {
-      nodes[i][n].used = true;
+    for (int i = end_i, n = end_n; n >= 0;) {
+      // What would hang beyond a gap by itself is of another bone.
+      if (int(chain.blobs.size()) < shortest_part && !chain.blobs.empty() && chain.blobs.back().i > i + 1)
+        area = 0, chain.blobs.clear();
+      Node& node = nodes[i][n];
+      node.used = true;
       area += planes[i][n].area_mm2;
       chain.blobs.push_back(planes[i][n]);
-      if (nodes[i][n].before < 0) break;
+      n = node.before, i -= node.planes_back;
     }
     std::reverse(chain.blobs.begin(), chain.blobs.end());
     if (chain.span_mm(l) < params.min_length_mm || area / double(chain.blobs.size()) > max_mean_area_mm2) continue;

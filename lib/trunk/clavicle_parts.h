@@ -19,11 +19,11 @@ struct Blob {
   double thickness_mm = 0, width_mm = 0;  ///< full lengths of the ellipse of equal second moments
 };
 
-/// A chain of round blobs in adjacent planes, which is a candidate for a clavicle.
+/// A chain of round blobs in adjacent planes, or with a gap of a few, which is a candidate for a clavicle.
 struct BlobChain {
   BodySide side = BodySide::left;
   std::vector<Blob> blobs;  ///< by rising i
-  double span_mm(const grid::Lattice& l) const { return double(blobs.size()) * l.spacing_mm.x; }
+  double span_mm(const grid::Lattice& l) const { return (blobs.back().i - blobs.front().i + 1) * l.spacing_mm.x; }
 };
 
 /// At most one chain for each side, the right one first, on that side of the middle of all bone, before it and not far
