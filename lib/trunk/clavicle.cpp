@@ -41,8 +41,8 @@ std::vector<BlobChain> chains_of(const mask::BitMask& bone, const ClavicleParams
   return clavicle_chains(core, p, progress);
 }
 
-/// Of a plane in which the chain has no blob, where it goes through, by the blobs beside the gap. In one that has a blob
-/// the radius is 0, and beyond the chain's ends endless.
+/// Of a plane in which the chain has no blob, where it goes through, by the blobs beside the gap. In one that has a
+/// blob the radius is 0, and beyond the chain's ends endless.
 struct Middle {
   double j = 0, k = 0, radius_mm = std::numeric_limits<double>::infinity();
   double off_mm(int at_j, int at_k, const grid::Lattice& l) const {

@@ -17,7 +17,8 @@ constexpr double min_overlap = 0.3;  ///< of the smaller blob's area, from plane
 constexpr double usual_front = 0.5;  ///< more free ways to the front than this share speak for a blob, fewer against it
 constexpr double front_reach_mm = 200;
 constexpr double longest_mm = 200;
-/// A clavicle goes on beyond so wide a gap, of a fracture or where something dense touches it, if both parts are so long.
+/// A clavicle goes on beyond so wide a gap, of a fracture or where something dense touches it, if both parts are so
+/// long.
 constexpr double gap_mm = 9, part_mm = 20;
 constexpr double max_mean_area_mm2 = 330;  ///< a raised humerus is thicker
 constexpr int front_rays = 5;
