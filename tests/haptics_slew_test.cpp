@@ -4,10 +4,10 @@
 
 #include <numeric>
 
-#include "haptics/force_changes.h"
 #include "haptics/force_slew.h"
 #include "haptics/recording.h"
 #include "haptics_tools.h"
+#include "session/force_changes.h"
 
 using namespace trephine;
 using namespace trephine::tools;
@@ -43,7 +43,7 @@ voxel::HapticVolume floor_of_bone() {
 }
 
 struct Drilled {
-  haptics::ForceChanges changes;
+  session::ForceChanges changes;
   int breaches = 0;
   bool breached = false;
 };
@@ -79,7 +79,7 @@ Drilled through() {
     frames.push_back(f);
     out.breaches += (is.events & haptics::haptic_event::breach) != 0;
   }
-  out.changes = haptics::force_changes(frames, true);
+  out.changes = session::force_changes(frames, true);
   out.breached = drilling.outcome().breached;
   return out;
 }

@@ -194,6 +194,35 @@ TEST(BoneDust, SuctionTakesBloodUpAndSalineThinsIt) {
   EXPECT_GT(after(true, 0, 6), 0.9) << "it goes on bleeding";
 }
 
+// While the first hand does something else elsewhere, as far as the frames of both say it.
+TEST(BoneDust, ASecondHandTakesUpWhatBleeds) {
+  const Vec3 at{40, -30, 120};
+  haptics::RecordingHeader header;
+  header.tool.tool = "rod";
+  header.second.emplace();
+  header.second->tool.tool = header.second->tool.name = "suction";
+  const auto after = [&](std::uint32_t buttons, std::uint32_t faults, double off_mm) {
+    auto dust = std::make_shared<scene::BoneDust>();
+    scene::DustWatch watch(dust, header, 0);
+    watch.bleed({{at, at, 0, 6, 0, 1e9}}, {0, 1, 0});
+    haptics::ServoFrame first, second;
+    for (int n = 0; n < 12000; ++n) {
+      first.time_s = second.time_s = 0.001 * n;
+      first.dt_s = second.dt_s = 0.001;
+      for (int a = 0; a < 3; ++a) second.proxy_mm[a] = at[a] + (a == 1 ? off_mm : 0);
+      first.axis[2] = second.axis[2] = 1;
+      second.buttons = n < 10000 ? 0 : buttons;
+      second.faults = faults;
+      watch.look(first, true, &second);
+    }
+    return dust->blood_at(at + Vec3{3, 0, 0});
+  };
+  EXPECT_LT(after(1, 0, 0), 0.1);
+  EXPECT_GT(after(0, 0, 0), 0.9) << "its switch is up";
+  EXPECT_GT(after(1, haptics::haptic_fault::gap, 0), 0.9);
+  EXPECT_GT(after(1, 0, 40), 0.9) << "elsewhere";
+}
+
 // The same frames give the same cells, whether they come one by one or the recording is shown from another time.
 TEST(BoneDust, ARecordingShowsTheSame) {
   std::vector<haptics::ServoFrame> frames = stroke({0, 0, 0});

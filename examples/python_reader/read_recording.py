@@ -11,10 +11,11 @@ import math
 import struct
 import sys
 
-VERSION = 18
+VERSION = 19
 THREE = ("tip_{}_mm", "axis_{}", "proxy_{}_mm", "normal_{}", "force_{}_n")
 NAMES = (["tick", "time_s", "dt_s"] + [n.format(a) for n in THREE for a in "xyz"] +
          ["buttons", "touched", "face", "inside", "held_by", "events", "faults", "late_us"])
+OF_TICK = ("tick", "time_s", "dt_s", "late_us")
 EVENTS = ("touch", "untouch", "motion", "popped", "left", "locked", "unlocked", "breach")
 FAULTS = ("pose", "time step", "force", "device lost", "jump", "gap")
 
@@ -32,16 +33,25 @@ def of_recording(data):
     header = json.loads(data[16:16 + length])
     each = header["frame_bytes"]
     rest = len(data) - 16 - length
-    if each not in (176, 200) or rest % each or header.get("frames", rest // each) != rest // each:
+    hands = 2 if "second" in header else 1
+    ticks = rest // (hands * each)
+    if each not in (176, 200) or rest % (hands * each) or header.get("frames", ticks) != ticks:
         raise ValueError("the frames are cut short")
     frame = struct.Struct("<Q17dI4i3I" + ("3d" if each == 200 else ""))
     known = NAMES + ([f"across_{a}" for a in "xyz"] if each == 200 else [])
-    columns = dict(zip(known, map(list, zip(*frame.iter_unpack(data[16 + length:]))))) or {n: [] for n in known}
-    columns["force_n"] = [math.sqrt(x * x + y * y + z * z) for x, y, z in
-                          zip(*(columns[f"force_{a}_n"] for a in "xyz"))]
-    columns["events"] = [names(bits, EVENTS) for bits in columns["events"]]
-    columns["faults"] = [names(bits, FAULTS) for bits in columns["faults"]]
+    rows = list(frame.iter_unpack(data[16 + length:]))
+    columns = columns_of(known, rows[::hands])
+    if hands == 2:  # in each tick the first hand's frame, and then the other one's
+        columns.update(("second_" + n, v) for n, v in columns_of(known, rows[1::2]).items() if n not in OF_TICK)
     return header, columns
+
+
+def columns_of(known, rows):
+    columns = dict(zip(known, map(list, zip(*rows)))) or {n: [] for n in known}
+    columns["force_n"] = [math.hypot(*f) for f in zip(*(columns[f"force_{a}_n"] for a in "xyz"))]
+    for name, every in (("events", EVENTS), ("faults", FAULTS)):
+        columns[name] = [names(bits, every) for bits in columns[name]]
+    return columns
 
 
 def read(path):

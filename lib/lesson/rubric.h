@@ -115,11 +115,25 @@ struct FourLimits {
   }
 };
 
+/// The other hand, where there is one: how hard it pressed on what it must spare, and the blood that was left where it
+/// bled.
+struct SecondHandRubric {
+  FourLimits force_n, blood_left_ml;
+  template <class V>
+  static void describe(V& v) {
+    using P = SecondHandRubric;
+    v.group(&P::force_n, "force_n", "Its largest force on what it must spare.").is_required();
+    v.group(&P::blood_left_ml, "blood_left_ml", "What suction left at the end of what a critical error bled.")
+        .is_required();
+  }
+};
+
 /// What every lesson's rubric has beside its own limits; a lesson's rubric derives from it.
 struct LessonRubric {
   std::vector<CriticalRule> critical_errors;
   std::vector<Question> questions;
   std::optional<FourLimits> wrong_answers_count;
+  std::optional<SecondHandRubric> second_hand;
   template <class V>
   static void describe(V& v) {
     using P = LessonRubric;
@@ -127,6 +141,7 @@ struct LessonRubric {
     v.list(&P::questions, "questions", "What the participant is asked.").at_most(most_questions).not_always();
     v.group(&P::wrong_answers_count, "wrong_answers_count",
             "How many questions were not answered rightly and in time: the row of decisions.");
+    v.group(&P::second_hand, "second_hand", "A second hand's tool: the row of the other hand.");
   }
   /// `known`: the critical errors that the lesson knows.
   std::string fault(const std::vector<std::string>& known) const;

@@ -11,8 +11,10 @@ namespace {
 
 py::tuple read(const std::string& file) {
   haptics::Recording r = run_long([&](const Progress&) { return haptics::read_recording(file); });
+  const bool two = r.header.second.has_value();
   return py::make_tuple(json::json_of_value(std::move(r.header)), array_of_frames(std::move(r.frames)),
-                        haptics::name_of(r.seal), r.sha256);
+                        haptics::name_of(r.seal), r.sha256,
+                        two ? py::object(array_of_frames(std::move(r.second))) : py::object(py::none()));
 }
 
 /// The answers to a recording's poses, and the volume that they leave.

@@ -3,7 +3,7 @@
 import json
 import os
 from dataclasses import dataclass
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
 
@@ -18,12 +18,14 @@ FAULTS: Tuple[str, ...] = tuple(_native.fault_names)
 @dataclass(frozen=True, eq=False)
 class Recording:
     """frames: a row for each tick, with the columns of FRAME: frames["force_n"] is (n, 3). seal: "sealed", "not sealed" or
-    "broken seal", which says whether the bytes are those that were written."""
+    "broken seal", which says whether the bytes are those that were written. second: the other hand's rows of the same ticks, where
+    there were two hands."""
 
     header: Dict[str, Any]
     frames: np.ndarray
     seal: str
     sha256: str
+    second: Optional[np.ndarray] = None
 
 
 def names_of(bits: int, names: Tuple[str, ...]) -> List[str]:
@@ -32,8 +34,8 @@ def names_of(bits: int, names: Tuple[str, ...]) -> List[str]:
 
 
 def read_recording(file: Path) -> Recording:
-    header, frames, seal, sha256 = _native.read_recording(os.fspath(file))
-    return Recording(json.loads(header), frames, seal, sha256)
+    header, frames, seal, sha256, second = _native.read_recording(os.fspath(file))
+    return Recording(json.loads(header), frames, seal, sha256, second)
 
 
 def replay(case: Path, file: Path) -> Tuple[np.ndarray, str]:

@@ -2,12 +2,14 @@
 #include <fmt/format.h>
 
 #include <iostream>
+#include <memory>
 #include <optional>
 
 #include "base/error.h"
 #include "base/progress.h"
 #include "cli/argument.h"
 #include "cli/command.h"
+#include "device/trajectory_device.h"
 #include "lesson/approval.h"
 #include "lessons/lesson_run.h"
 #include "lessons/score_recording.h"
@@ -16,7 +18,7 @@ namespace trephine::commands {
 namespace {
 
 struct LessonParams {
-  std::string module, participant = "anonymous", task;
+  std::string module, participant = "anonymous", task, second_tool;
   double most_s = 1800, rate_hz = 1000;
   template <class V>
   static void describe(V& v) {
@@ -25,6 +27,8 @@ struct LessonParams {
     v.text(&P::participant, "participant", "Anonymous token of who does it: a-z, 0-9, _ and -; never a name.");
     v.text(&P::task, "task",
            "What is asked for, as `right` or `pedicle_2_left`; by default the script's, else the usual.");
+    v.text(&P::second_tool, "second_tool",
+           "What the other hand holds, as `suction`; by default the first that the lesson has for it.");
     v.number(&P::most_s, "most_s", Range{0.001, 86400}, "The longest that the lesson may take; then it is cut off.");
     v.number(&P::rate_hz, "rate_hz", Range{50, 20000}, "Ticks in each second.");
   }
@@ -32,7 +36,7 @@ struct LessonParams {
 
 void write_recording(const std::filesystem::path& file, const haptics::Recording& recording) {
   haptics::RecordingWriter writer(file, recording.header);
-  writer.add(recording.frames);
+  writer.add(recording.frames, recording.second);
   writer.finish(recording.header.outcome);
 }
 
@@ -53,6 +57,15 @@ ExitCode run_lesson_command(const cli::ParsedCommand& parsed) {
   o.aim = parsed.params<lessons::ScriptAim>();
   o.contact = parsed.params<contact::ContactParams>();
   o.force = parsed.params<haptics::ForceParams>();
+  std::unique_ptr<device::Device> second;
+  if (parsed.has("second_trajectory")) {
+    second = std::make_unique<device::Trajectory>(device::read_trajectory(parsed.path("second_trajectory")));
+    const auto held = lessons::second_tool_of(lessons::lesson_type(o.script.module), p.second_tool);
+    o.second = haptics::RecordedSecondHand{"trajectory", !held, o.force, {}, held.value_or(haptics::BeltToolParams())};
+    o.second_device = second.get();
+  } else if (!p.second_tool.empty()) {
+    throw Error(ExitCode::usage, "", "--second-tool", "needs --second-trajectory");
+  }
   session::FeltCase felt(parsed.path("case"), "");
   const lessons::LessonResult r =
       with_file(parsed.text("script"), [&] { return lessons::run_lesson(felt, o, cancel_requested()); });
@@ -95,7 +108,10 @@ const cli::OwnCommand lesson_command([] {
       folder, script, record,
       cli::argument("rubric", Kind::in_file,
                     "The compiled rubric (.json) by which it will be judged: the recording names it, and the "
-                    "script can answer its questions.")};
+                    "script can answer its questions."),
+      cli::argument("second_trajectory", Kind::in_file,
+                    "How the other hand moves, in lessons that have a use for it: lines as of `servo --device "
+                    "trajectory`, of which bit 1 of the buttons is its switch.")};
   c.groups = {cli::ParameterGroup::of<LessonParams>("Parameters"),
               cli::ParameterGroup::of<lessons::ScriptAim>("How well it aims"),
               cli::ParameterGroup::of<device::HandParams>("Simulated hand"),

@@ -11,6 +11,7 @@
 #include "cases/case.h"
 #include "cli/argument.h"
 #include "cli/command.h"
+#include "commands/second_options.h"
 #include "commands/session_options.h"
 #include "commands/settings.h"
 #include "haptics/haptic_state.h"
@@ -94,6 +95,7 @@ ExitCode run_play(const cli::ParsedCommand& given) {
   o.session = session_options_of(parsed);
   if (!parsed.has("device") || parsed.text("device") == screen) o.session.device.name.clear();
   o.session.seconds = params.seconds > 0 ? params.seconds : 86400;
+  o.session.second = second_options_of(parsed, o.session.device);
   if (!parsed.given.count("tool")) o.session.tool.tool = "burr";
   if (!parsed.given.count("drill")) o.session.drilling.drill = true;
   if (!o.session.servo.paced) throw Error(ExitCode::usage, "", "--no-paced", "a window keeps to the clock");
@@ -103,6 +105,14 @@ ExitCode run_play(const cli::ParsedCommand& given) {
   if (!o.playback.empty() && !o.session.record.empty())
     throw Error(ExitCode::usage, "", "--playback, --record", "a recording is shown or made, not both");
   if (parsed.has("lesson")) o.lesson = lesson_of(parsed);
+  if (o.lesson && o.session.second) {
+    const auto held = lessons::second_tool_of(lessons::lesson_type(o.lesson->module),
+                                              parsed.given.count("second_tool") ? o.session.second->tool.tool : "");
+    o.session.second->switch_only = !held;
+    if (held) o.session.second->tool = *held;
+  }
+  if (o.session.second && !o.playback.empty())
+    throw Error(ExitCode::usage, "", "--second-device", "a recording has the hands that it was made with");
   o.session.record_server_port = params.record_server_port;
   const bool placed = device::is_placed(o.session.device.name);
   if (params.record_server_port > 0 && placed)
@@ -110,6 +120,10 @@ ExitCode run_play(const cli::ParsedCommand& given) {
                 "and --device " + o.session.device.name +
                     " do not go together: the server knows nothing of the error with which a tracked tool lies, and "
                     "would judge rows that it does not bear");
+  if (params.record_server_port > 0 && o.session.second)
+    throw Error(ExitCode::usage, "", "--record-server-port",
+                "and --second-device do not go together: the server takes one hand; the recording is sealed, and "
+                "`trephine-sim sign` signs it with both");
   if (params.record_server_port > 0 && !o.lesson)
     throw Error(ExitCode::usage, "", "--record-server-port", "is of a --lesson");
   for (const char* own : {"participant", "task", "rubric", "out", "approved_sha256"})
@@ -183,6 +197,7 @@ const cli::OwnCommand play_command([] {
       "74 says that there is no display, no OpenGL 4.3, or that the driver lost its context; what was recorded until "
       "then is kept.";
   c.arguments = session_arguments(screen);
+  for (const cli::Argument& a : second_arguments()) c.arguments.push_back(a);
   c.arguments.push_back(cli::argument("playback", cli::Argument::Kind::in_file, "A recording to be shown."));
   c.arguments.push_back(before_argument());
   c.arguments.push_back(cli::argument("screen", cli::Argument::Kind::in_file,
@@ -216,8 +231,8 @@ const cli::OwnCommand play_command([] {
               cli::ParameterGroup::of<window::WindowParams>("Window"),
               cli::ParameterGroup::of<scene::ViewParams>("View"),
               cli::ParameterGroup::of<window::ScreenHandParams>("Mouse and keyboard")};
-  const std::vector<cli::ParameterGroup> session = session_groups();
-  c.groups.insert(c.groups.end(), session.begin(), session.end());
+  for (const auto& groups : {session_groups(), second_groups()})
+    c.groups.insert(c.groups.end(), groups.begin(), groups.end());
   c.examples = {"trephine-sim play library/sample",
                 "trephine-sim play library/sample --tool catheter --record way.servo",
                 "trephine-sim play library/sample --playback hole.servo",

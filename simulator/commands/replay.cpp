@@ -11,8 +11,8 @@
 #include "cli/argument.h"
 #include "cli/command.h"
 #include "commands/session_options.h"
-#include "haptics/force_changes.h"
 #include "haptics/recording.h"
+#include "session/force_changes.h"
 #include "session/force_figures.h"
 #include "session/moving_target.h"
 #include "session/playback.h"
@@ -40,10 +40,10 @@ Json json_of(const session::ForceFigures& f) {
           {"most_lag_mm", f.max_lag_mm}};
 }
 
-Json json_of(const haptics::ForceChanges& c) {
+Json json_of(const session::ForceChanges& c) {
   Json above = Json::object();
   for (std::size_t n = 0; n < c.above.size(); ++n)
-    above[fmt::format("{:g}", haptics::ForceChanges::limits_n_per_ms[n])] = c.above[n];
+    above[fmt::format("{:g}", session::ForceChanges::limits_n_per_ms[n])] = c.above[n];
   return {{"ticks", c.ticks},
           {"above_n_per_ms", above},
           {"named", c.named},
@@ -51,10 +51,10 @@ Json json_of(const haptics::ForceChanges& c) {
           {"turns", c.turns}};
 }
 
-void print(const char* what, const haptics::ForceChanges& c) {
+void print(const char* what, const session::ForceChanges& c) {
   std::string above;
   for (std::size_t n = 0; n < c.above.size(); ++n)
-    above += fmt::format("{} {} above {:g}", n == 0 ? "" : ",", c.above[n], haptics::ForceChanges::limits_n_per_ms[n]);
+    above += fmt::format("{} {} above {:g}", n == 0 ? "" : ",", c.above[n], session::ForceChanges::limits_n_per_ms[n]);
   std::cout << fmt::format("changes of the force in N/ms, {}: of {}{}; {} of them in a named event, at most {:.3f}\n",
                            what, c.ticks, above, c.named, c.max_n_per_ms);
 }
@@ -85,11 +85,13 @@ Json json_of(const session::TargetFigures& f) {
 constexpr double longest_sound_s = 3600;
 
 // The replayed frames, and what is heard of the drill in each.
-std::vector<haptics::ServoFrame> run_heard(session::Rerun& rerun, const std::vector<haptics::ServoFrame>& frames,
+std::vector<haptics::ServoFrame> run_heard(session::Rerun& rerun, const haptics::Recording& recording,
+                                           std::vector<haptics::ServoFrame>& second,
                                            std::vector<sound::DrillHeard>& heard) {
   std::vector<haptics::ServoFrame> out;
-  for (const haptics::ServoFrame& f : frames) {
-    out.push_back(rerun.run({f}).front());
+  for (std::size_t n = 0; n < recording.frames.size(); ++n) {
+    const haptics::ServoFrame& f = recording.frames[n];
+    out.push_back(rerun.run({f}, recording.second.data() + (recording.second.empty() ? 0 : n), second).front());
     const haptics::Drilling::Heard h = rerun.drilling()->heard();
     heard.push_back({f.dt_s, h.runs, h.stalled, h.load_ratio, h.energy_j_per_mm3, h.flutes});
   }
@@ -142,11 +144,16 @@ ExitCode run_replay(const cli::ParsedCommand& parsed) {
   }
   std::vector<sound::DrillHeard> heard;
   if (parsed.has("sound")) require_sound(parsed, recording);
-  const std::vector<haptics::ServoFrame> replayed =
-      parsed.has("sound") ? run_heard(rerun, recording.frames, heard) : rerun.run(recording.frames);
+  std::vector<haptics::ServoFrame> second;  // the other hand's, where there were two
+  const std::vector<haptics::ServoFrame> replayed = parsed.has("sound")
+                                                        ? run_heard(rerun, recording, second, heard)
+                                                        : rerun.run(recording.frames, recording.second.data(), second);
   std::size_t different = 0, first = 0;
-  for (std::size_t n = 0; n < replayed.size(); ++n)
-    if (!haptics::same_frame(replayed[n], recording.frames[n]) && different++ == 0) first = n;
+  for (std::size_t n = 0; n < replayed.size(); ++n) {
+    const bool same = haptics::same_frame(replayed[n], recording.frames[n]) &&
+                      (second.empty() || haptics::same_frame(second[n], recording.second[n]));
+    if (!same && different++ == 0) first = n;
+  }
 
   std::cout << fmt::format("{} frames at {:g} Hz of device {}, {}, case {}\n", replayed.size(), h.rate_hz, h.device,
                            h.lesson.empty() ? "tool " + h.tool.tool : "tools of the lesson " + h.lesson, h.case_token);
@@ -157,9 +164,13 @@ ExitCode run_replay(const cli::ParsedCommand& parsed) {
   const session::ForceFigures was = session::force_figures(recording.frames, window),
                               is = session::force_figures(replayed, window);
   print("recorded", was);
+  if (h.second) {
+    std::cout << fmt::format("second hand: {} on {}\n", h.second->tool.name, h.second->device);
+    print("second hand", session::force_figures(second, session::force_window(second)));
+  }
   if (other) print("replayed", is);
-  const haptics::ForceChanges all = haptics::force_changes(recording.frames, false),
-                              drilled = haptics::force_changes(recording.frames, true);
+  const session::ForceChanges all = session::force_changes(recording.frames, false),
+                              drilled = session::force_changes(recording.frames, true);
   if (followed)
     std::cout << "target " << (followed->seconds > 0 ? session::target_text(*followed) : "that never set off") << "\n";
   print("all ticks", all);

@@ -13,6 +13,7 @@
 #include "base/write_file.h"
 #include "cli/argument.h"
 #include "cli/command.h"
+#include "commands/second_options.h"
 #include "commands/session_options.h"
 
 namespace trephine::commands {
@@ -102,6 +103,19 @@ Json json_of(const session::SessionResult& r) {
               {"tick", times_of(s.busy)},
               {"late", times_of(s.late)}};
   if (r.drilled) out["drilled"] = drilled_json(r);
+  if (r.second) {
+    Json seen = Json::object();
+    for (const auto& [name, count] : r.second->device_counts) seen[name] = count;
+    out["second"] = {{"device", r.header.second->device},
+                     {"tool", r.header.second->tool.name},
+                     {"device_counts", seen},
+                     {"jumps", r.second->jumps},
+                     {"gaps", r.second->gaps},
+                     {"faults", r.second->faults},
+                     {"fault_names", haptics::fault_names(r.second->faults)},
+                     {"touching_ratio", s.ticks > 0 ? double(r.second->touching) / double(s.ticks) : 0},
+                     {"most_force_n", r.second->most_force_n}};
+  }
   return out;
 }
 
@@ -119,19 +133,23 @@ void print_start(const session::Session& session, const haptics::ServoParams& pa
   if (session.tool_points() > 0)
     std::cout << fmt::format("tool {}: {} points, {:g} mm in diameter, {:g} mm long\n", is.tool.tool,
                              session.tool_points(), is.tool.tool_diameter_mm, is.tool.tool_length_mm);
+  if (is.second) std::cout << fmt::format("second hand: {} on {}\n", is.second->tool.name, is.second->device);
   std::cout << std::flush;
 }
 
 // Until the loop's end: says a fault when it happens, and writes what is recorded.
 void follow(session::Session& session) {
-  std::uint32_t told = 0;
+  std::uint32_t told[2] = {0, 0};
   while (session.running()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    if (const std::uint32_t faults = session.faults(); faults != told) {
-      told = faults;
-      const bool lasts = faults & ~haptics::haptic_fault::passing;
-      std::cout << fmt::format("fault after {:.2f} s: {}; the force {}\n", session.time_s(),
-                               haptics::fault_names(faults), lasts ? "stays zero" : "comes back")
+    const std::uint32_t now[2] = {session.faults(), session.second_faults()};
+    for (int hand = 0; hand < 2; ++hand) {
+      if (now[hand] == told[hand]) continue;
+      told[hand] = now[hand];
+      const bool lasts = now[hand] & ~haptics::haptic_fault::passing;
+      std::cout << fmt::format("{}fault after {:.2f} s: {}; the force {}\n",
+                               hand == 0 ? "" : "second hand: ", session.time_s(), haptics::fault_names(now[hand]),
+                               lasts ? "stays zero" : "comes back")
                 << std::flush;
     }
     session.write_frames();
@@ -187,6 +205,11 @@ void print_result(const session::SessionResult& r, bool paced) {
   print_times("tick time", s.busy);
   if (paced) print_times("woken late", s.late);
   if (r.drilled) print_drilled(r);
+  if (r.second)
+    std::cout << fmt::format("second hand: in contact {:.1f} %, force at most {:.3f} N, {} jumps, {} gaps, faults {}\n",
+                             s.ticks > 0 ? 100.0 * double(r.second->touching) / double(s.ticks) : 0,
+                             r.second->most_force_n, r.second->jumps, r.second->gaps,
+                             r.second->faults == 0 ? "none" : haptics::fault_names(r.second->faults));
   if (r.frames_lost > 0) std::cout << fmt::format("{} frames were not recorded: the disk is too slow\n", r.frames_lost);
   for (const auto& [name, count] : r.device_counts)
     counts += fmt::format("{} {} {}", counts.empty() ? "" : ",", count, name);
@@ -204,6 +227,7 @@ ExitCode run_servo(const cli::ParsedCommand& parsed) {
   refuse_one_file_twice(parsed);
   session::SessionOptions options = session_options_of(parsed);
   options.seconds = parsed.params<RunParams>().seconds;
+  options.second = second_options_of(parsed, options.device);
   session::Session session(options, cancel_requested(), [](const texts::Note& note) {
     std::cout << texts::text_of(note, texts::Language::english) << "\n" << std::flush;
   });
@@ -222,18 +246,22 @@ ExitCode run_servo(const cli::ParsedCommand& parsed) {
   Progress({}, &cancel_requested()).check();
   if (const std::uint32_t faults = result.statistics.faults & ~haptics::haptic_fault::passing; faults != 0)
     throw Error(ExitCode::io, "", "device", haptics::fault_names(faults) + ": the force was zero from then on");
+  if (const std::uint32_t faults = session::lasting_second_faults(result); faults != 0)
+    throw Error(ExitCode::io, "", "second device", haptics::fault_names(faults) + ": its force was zero from then on");
   return ExitCode::ok;
 }
 
 std::vector<cli::Argument> servo_arguments() {
-  std::vector<cli::Argument> all = session_arguments(device::DeviceChoice().name);
+  std::vector<cli::Argument> all = session_arguments(device::DeviceChoice().name), second = second_arguments();
+  all.insert(all.end(), second.begin(), second.end());
   all.push_back(cli::argument("json", cli::Argument::Kind::out_file, "Write the statistics to this file."));
   return all;
 }
 
 std::vector<cli::ParameterGroup> servo_groups() {
-  std::vector<cli::ParameterGroup> all = session_groups();
+  std::vector<cli::ParameterGroup> all = session_groups(), second = second_groups();
   all.insert(all.begin(), cli::ParameterGroup::of<RunParams>("Parameters"));
+  all.insert(all.end(), second.begin(), second.end());
   return all;
 }
 
@@ -243,7 +271,9 @@ std::vector<std::string> servo_examples() {
       "trephine-sim servo library/sample --shape skull --device hand --seconds 5 --record skull.servo",
       "trephine-sim servo library/sample --tool burr --seconds 5",
       "trephine-sim servo library/sample --tool ball --tool-diameter-mm 7 --drill --no-paced --seconds 60 --record "
-      "hole.servo"};
+      "hole.servo",
+      "trephine-sim servo library/sample --device trajectory --trajectory path.txt --second-device udp --second-port "
+      "20518 --second-tool suction --seconds 10 --record both.servo"};
   for (const device::DeviceType& type : device::device_types())
     if (!type.example.empty()) all.push_back("trephine-sim servo library/sample " + type.example);
   return all;

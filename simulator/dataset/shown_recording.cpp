@@ -19,10 +19,10 @@ void ShownRecording::go_to(double time_s) {
   std::size_t incisions = 0;
   for (const session::IncisionMark& mark : playback_.incisions()) incisions += mark.time_s <= playback_.time_s();
   stage_.show_incisions(playback_.incisions(), incisions);
-  if (stage_.view().dust) dust_.go_to(playback_.frames(), playback_.frame_number() + 1);
+  if (stage_.view().dust) dust_.go_to(playback_.frames(), playback_.frame_number() + 1, playback_.recording().second);
   stage_.show_dust(dust_.dust());
   stage_.state.moving = scene::moving_of(target_.get(), playback_.frame().time_s);
-  stage_.show_frame(playback_.frame());
+  stage_.show_frame(playback_.frame(), playback_.held_second(), playback_.second_frame());
 }
 
 }  // namespace trephine::dataset

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A device behind a shared library of somebody else (adaptor.h).
+#include <fmt/format.h>
 #include <time.h>
 
 #include <algorithm>
@@ -212,6 +213,12 @@ DeviceType adaptor_device() {
                               "Shared library with the ten functions of simulator/device/adaptor.h.")};
   type.groups = {cli::ParameterGroup::of<AdaptorParams>("Device behind a library")};
   type.lives = true;
+  type.seat = [](const DeviceChoice& choice) {
+    const auto file = choice.files.find("adaptor");
+    return file == choice.files.end()
+               ? std::string()
+               : fmt::format("device {} of {}", choice.of<AdaptorParams>().adaptor_index, file->second.string());
+  };
   type.make = [](const DeviceChoice& choice, const DeviceScene& scene) {
     auto device = std::make_unique<AdaptorDevice>(choice.files.at("adaptor"), choice.of<AdaptorParams>());
     scene.say({texts::NoteId::holding, {device->name()}});

@@ -14,18 +14,20 @@ const DeviceType& type_of(const std::string& name) {
   throw Error(ExitCode::usage, "", "--device", name + ": there is no such kind of device");
 }
 
-std::string flag_of(const cli::Argument& file) {
-  std::string flag = "--" + file.name;
+std::string flag_of(const DeviceChoice& choice, const cli::Argument& file) {
+  std::string flag = "--" + choice.flags + file.name;
   std::replace(flag.begin(), flag.end(), '_', '-');
   return flag;
 }
 
 void check_files(const DeviceChoice& choice) {
+  const std::string device = "--" + choice.flags + "device ";
   for (const DeviceType& type : device_types())
     for (const cli::Argument& file : type.files) {
       const bool chosen = type.name == choice.name, given = choice.files.count(file.name) > 0;
-      if (chosen && !given) throw Error(ExitCode::usage, "", flag_of(file), "is needed with --device " + type.name);
-      if (given && !chosen) throw Error(ExitCode::usage, "", flag_of(file), "needs --device " + type.name);
+      if (chosen && !given)
+        throw Error(ExitCode::usage, "", flag_of(choice, file), "is needed with " + device + type.name);
+      if (given && !chosen) throw Error(ExitCode::usage, "", flag_of(choice, file), "needs " + device + type.name);
     }
 }
 
@@ -34,6 +36,11 @@ void check_files(const DeviceChoice& choice) {
 bool is_placed(const std::string& name) {
   return std::any_of(device_types().begin(), device_types().end(),
                      [&](const DeviceType& type) { return type.placed && type.name == name; });
+}
+
+std::string seat_of(const DeviceChoice& choice) {
+  const DeviceType& type = type_of(choice.name);
+  return type.seat ? type.seat(choice) : "";
 }
 
 std::unique_ptr<Device> make_device(const DeviceChoice& choice, const DeviceScene& scene) {

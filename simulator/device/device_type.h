@@ -22,6 +22,7 @@ struct DeviceChoice {
   std::string name = "hand";
   std::vector<AnyParams> params;                       ///< of any kind of device; those of other kinds are ignored
   std::map<std::string, std::filesystem::path> files;  ///< by the argument's name; only what was given
+  std::string flags = {};                              ///< what its flags begin with: "second-" of a second hand's
 
   /// The first of params whose type is P; its defaults where there is none.
   template <class P>
@@ -71,6 +72,9 @@ struct DeviceType {
   std::vector<cli::ParameterGroup> groups;  ///< its options
   bool lives = false;                       ///< it runs in real time, so the loop must keep to the clock
   bool placed = false;                      ///< its poses are of the case's frame, and no workspace moves them
+  bool first_only = false;                  ///< no second hand has it
+  /// What of it one hand alone can hold, such as "port 20517"; without it, or "": it is of as many as ask.
+  std::function<std::string(const DeviceChoice&)> seat;
   /// Makes the device, ready to be read. It may wait for a client, and then says so.
   std::function<std::unique_ptr<Device>(const DeviceChoice&, const DeviceScene&)> make;
 };
@@ -79,6 +83,9 @@ struct DeviceType {
 const std::vector<DeviceType>& device_types();
 /// Whether the kind of that name is `placed`; false where there is none of that name.
 bool is_placed(const std::string& name);
+
+/// DeviceType::seat of the chosen kind.
+std::string seat_of(const DeviceChoice& choice);
 
 /// Throws Error 64 where a file is missing or belongs to another kind, where there is no such kind, and where a kind
 /// that runs in real time is used without a clock; else what its kind throws.

@@ -132,6 +132,10 @@ DeviceType gamepad_device() {
   type.groups = {cli::ParameterGroup::of<GamepadParams>("Gamepad"),
                  cli::ParameterGroup::of<RateHandParams>("Gamepad and 3D mouse")};
   type.lives = true;
+  type.seat = [](const DeviceChoice& choice) {
+    const std::string file = choice.of<GamepadParams>().gamepad;
+    return file.empty() ? "the first gamepad" : "the gamepad " + file;
+  };
   type.make = [](const DeviceChoice& choice, const DeviceScene& scene) -> std::unique_ptr<Device> {
     const std::string file = choice.of<GamepadParams>().gamepad;
     std::unique_ptr<Pad> pad;

@@ -33,6 +33,7 @@ DeviceType hand_device() {
       "hole";
   type.groups = {cli::ParameterGroup::of<HandParams>("Simulated hand"),
                  cli::ParameterGroup::of<HandPathParams>("The hand's task")};
+  type.first_only = true;
   type.make = make_hand;
   return type;
 }

@@ -56,7 +56,7 @@ DeviceType openigtlink_device() {
                     "Where print and tools are before the tracker, as `trephine-sim track register` wrote it.")};
   type.groups = {cli::ParameterGroup::of<track::TrackerParams>("Tracker by OpenIGTLink")};
   type.lives = true;
-  type.placed = true;
+  type.placed = type.first_only = true;
   type.make = [](const DeviceChoice& choice, const DeviceScene& scene) {
     const std::filesystem::path file = choice.files.at("tracking");
     const track::Tracking tracking = track::read_tracking(file);

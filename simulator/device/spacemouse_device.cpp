@@ -99,6 +99,7 @@ DeviceType spacemouse_device() {
   type.help = "a 3D mouse behind spacenavd, which moves and turns the tool as it is pushed and turned";
   type.example = "--device spacemouse --seconds 60";
   type.lives = true;
+  type.seat = [](const DeviceChoice&) { return std::string("the 3D mouse"); };
   type.make = [](const DeviceChoice& choice, const DeviceScene& scene) -> std::unique_ptr<Device> {
     auto device = std::make_unique<Spacemouse>(choice.of<RateHandParams>(), scene);
     scene.say(texts::NoteId::holding_mouse_3d);

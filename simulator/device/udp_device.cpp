@@ -236,6 +236,10 @@ DeviceType udp_device() {
   type.example = "--device udp --port 20517 --seconds 60";
   type.groups = {cli::ParameterGroup::of<UdpParams>("Device by UDP")};
   type.lives = true;
+  type.seat = [](const DeviceChoice& choice) {
+    const int port = choice.of<UdpParams>().port;
+    return port == 0 ? std::string() : "UDP port " + std::to_string(port);
+  };
   type.make = [](const DeviceChoice& choice, const DeviceScene& scene) {
     auto device = std::make_unique<UdpDevice>(choice.of<UdpParams>(), scene.realtime);
     scene.say({texts::NoteId::waiting_for_device, {device->endpoint()}});

@@ -23,6 +23,7 @@ constexpr char magic[9] = "TREPHSRV";
 constexpr std::size_t fixed_bytes = 16, header_bytes = 8192;
 
 std::size_t frame_bytes(const RecordingHeader& h) { return h.knows_across ? sizeof(ServoFrame) : short_frame_bytes; }
+std::size_t hands_of(const RecordingHeader& h) { return h.second ? 2 : 1; }
 
 /// The header as it stands in the file.
 struct HeaderFile : RecordingHeader {
@@ -33,7 +34,7 @@ struct HeaderFile : RecordingHeader {
   static void describe(V& v) {
     v.template all_of<RecordingHeader>();
     v.integer(&HeaderFile::frame_bytes, "frame_bytes", Range{}, "Bytes of a frame.");
-    v.integer(&HeaderFile::frames, "frames", Range{}, "How many there are.").not_always();
+    v.integer(&HeaderFile::frames, "frames", Range{}, "How many there are of each hand.").not_always();
     v.text(&HeaderFile::seal_sha256, "seal_sha256",
            "Of the frames, and of what stands before them with these digits 0.")
         .not_always();
@@ -120,13 +121,17 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const Record
 }
 RecordingWriter::~RecordingWriter() = default;
 
-void RecordingWriter::add(const std::vector<ServoFrame>& frames) {
+void RecordingWriter::add(const std::vector<ServoFrame>& frames, const std::vector<ServoFrame>& second) {
+  const std::size_t hands = hands_of(impl_->header);
+  if (second.size() != (hands - 1) * frames.size())
+    throw Error(ExitCode::internal, "", "second", "frames are not as many");
   for (const ServoFrame& f : frames)
     if (!std::isfinite(f.time_s))
       throw Error(ExitCode::bad_input, "", "time_s", "of tick " + std::to_string(f.tick) + " is not finite");
   const std::size_t each = frame_bytes(impl_->header);
-  std::string bytes(frames.size() * each, 0);
-  for (std::size_t n = 0; n < frames.size(); ++n) std::memcpy(&bytes[n * each], &frames[n], each);
+  std::string bytes(hands * frames.size() * each, 0);
+  for (std::size_t n = 0; n < frames.size(); ++n) std::memcpy(&bytes[hands * n * each], &frames[n], each);
+  for (std::size_t n = 0; n < second.size(); ++n) std::memcpy(&bytes[(hands * n + 1) * each], &second[n], each);
   impl_->out.write(bytes);
   impl_->seal.bytes(bytes.data(), bytes.size());
   impl_->frames += frames.size();
@@ -162,13 +167,20 @@ Recording read_recording(const std::filesystem::path& file) {
     r.sha256 = sha256_of_bytes(all);
     r.seal = seal_of(all.substr(0, fixed_bytes + length), all.substr(fixed_bytes + length), header.seal_sha256);
     const std::size_t rest = bytes.size() - fixed_bytes - length;
-    const std::size_t each = frame_bytes(r.header), count = rest / each;
-    if (rest % each != 0) refuse("frames", "end within one");
+    const std::size_t each = frame_bytes(r.header), hands = hands_of(r.header), count = rest / (hands * each);
+    if (rest % (hands * each) != 0) refuse("frames", "end within one");
     if (header.frames >= 0 && std::uint64_t(header.frames) != count)
       refuse("frames", std::to_string(count) + ", were " + std::to_string(header.frames));
+    const char* const first = bytes.data() + fixed_bytes + length;
     r.frames.resize(count);
-    for (std::size_t n = 0; n < count; ++n)
-      std::memcpy(&r.frames[n], bytes.data() + fixed_bytes + length + n * each, each);
+    r.second.resize((hands - 1) * count);
+    for (std::size_t n = 0; n < count; ++n) std::memcpy(&r.frames[n], first + hands * n * each, each);
+    for (std::size_t n = 0; n < r.second.size(); ++n) {
+      std::memcpy(&r.second[n], first + (hands * n + 1) * each, each);
+      const ServoFrame &a = r.frames[n], &b = r.second[n];
+      if (a.tick != b.tick || a.dt_s != b.dt_s || !(a.time_s == b.time_s || std::isnan(a.time_s)))
+        refuse("second", "tick and times of frame " + std::to_string(n) + " are not those of the first hand");
+    }
     // A count of ticks is a difference of two ticks plus one, which must not overflow.
     if (!r.frames.empty() && r.frames.back().tick == std::numeric_limits<std::uint64_t>::max())
       refuse("frames", "the last tick is beyond what can be counted");

@@ -19,7 +19,7 @@ namespace trephine::haptics {
 
 /// The one version that is written and read. Whatever changes forces, the header or the frames raises it and removes
 /// what it replaces.
-constexpr int recording_version = 18;
+constexpr int recording_version = 19;
 
 /// What was cut.
 struct RecordedCutting {
@@ -58,6 +58,24 @@ struct AskedQuestion {
   }
 };
 
+/// What the other hand held, where there were two, and what limited its own device.
+struct RecordedSecondHand {
+  std::string device;
+  bool switch_only = false;  ///< it held nothing, and felt nothing: its switch alone counts
+  ForceParams force;
+  PortParams port = PortParams::none();
+  BeltToolParams tool;
+  template <class V>
+  static void describe(V& v) {
+    using P = RecordedSecondHand;
+    v.text(&P::device, "device", "What moved it.");
+    v.flag(&P::switch_only, "switch_only", "It held nothing, and its switch alone counts.");
+    v.group(&P::force, "force", "The limits on its forces.");
+    v.group(&P::port, "port", "What lies between its device and its tool.");
+    v.group(&P::tool, "tool", "What it held.");
+  }
+};
+
 /// The header of a recording: everything besides the case that its replay needs.
 struct RecordingHeader {
   std::string case_token, case_sha256;  ///< and of its case.json, which holds the hash of all else
@@ -65,7 +83,7 @@ struct RecordingHeader {
   std::string device;
   double rate_hz = 1000;
   double place_error_mm = 0;  ///< Device::place_error_mm()
-  bool knows_across = false;  ///< Device::knows_across(); frames then hold it, and are longer
+  bool knows_across = false;  ///< Device::knows_across() of either; frames then hold it, and are longer
   std::string felt_shape;     ///< the only shape that could be touched; empty: all shapes of the case
   contact::ContactParams contact;
   ForceParams force;
@@ -83,6 +101,7 @@ struct RecordingHeader {
   std::vector<AskedQuestion> asked;   ///< in the order of their numbers; empty: nothing was asked
   /// Of the voxels at its begin, where an earlier session had cut some; else empty.
   std::string begins_sha256;
+  std::optional<RecordedSecondHand> second;
   std::optional<RecordedCutting> outcome;  ///< where the tool cut; not in a recording that was not finished
   template <class V>
   static void describe(V& v) {
@@ -117,6 +136,7 @@ struct RecordingHeader {
                              in.list(&P::tools, "tools", "Its tools.");
                            }),
                  [](const P& h) { return !h.tools.empty(); });
+    v.group(&P::second, "second", "The other hand, where there were two.").not_always();
     v.text(&P::begins_sha256, "begins_sha256", "SHA-256 of the voxels at the begin.").not_always();
     v.group(&P::outcome, "outcome", "What was cut.").not_always();
   }
@@ -133,7 +153,8 @@ class RecordingWriter {
  public:
   RecordingWriter(const std::filesystem::path& file, const RecordingHeader& header);
   ~RecordingWriter();
-  void add(const std::vector<ServoFrame>& frames);
+  /// `second`: as many, of the same ticks, where the header has a second hand.
+  void add(const std::vector<ServoFrame>& frames, const std::vector<ServoFrame>& second = {});
   void finish(const std::optional<RecordedCutting>& outcome = {});
 
  private:
@@ -148,8 +169,8 @@ const char* name_of(Seal seal);  ///< "not sealed", "sealed", "broken seal"
 
 struct Recording {
   RecordingHeader header;
-  std::vector<ServoFrame> frames;
-  Seal seal = Seal::absent;  ///< as read_recording found it
+  std::vector<ServoFrame> frames, second = {};  ///< `second`: of the same ticks, where there were two hands
+  Seal seal = Seal::absent;                     ///< as read_recording found it
   /// Of the very bytes that were parsed. Whoever says something of a recording's file says it of these: the file may be
   /// another one by the time it is read again.
   std::string sha256 = {};
@@ -159,8 +180,8 @@ void require_seal(const Recording& recording, const std::filesystem::path& file)
 
 /// Throws Error 66; 65 naming the field: not a recording, another version (both are named), a damaged header, a part of
 /// a frame at the end, more or fewer frames than the header says (those made into a pipe do not say), ticks or times
-/// that do not ascend, a time that is not finite. Frames may be missing where the disk was too slow:
-/// missing_frames().
+/// that do not ascend, or of two hands are not the same, a time that is not finite. Frames may be missing where the
+/// disk was too slow: missing_frames().
 Recording read_recording(const std::filesystem::path& file);
 std::uint64_t missing_frames(const std::vector<ServoFrame>& frames);
 

@@ -74,14 +74,15 @@ FrameQueue::FrameQueue(std::size_t capacity) {
   frames_.resize(n);
 }
 
-bool FrameQueue::push(const ServoFrame& frame) {
-  const std::uint64_t head = head_.load(std::memory_order_relaxed);
-  if (head - tail_.load(std::memory_order_acquire) == frames_.size()) {
+bool FrameQueue::push(const ServoFrame& frame, const ServoFrame* second) {
+  const std::uint64_t head = head_.load(std::memory_order_relaxed), count = second ? 2 : 1;
+  if (head - tail_.load(std::memory_order_acquire) + count > frames_.size()) {
     dropped_.fetch_add(1, std::memory_order_relaxed);
     return false;
   }
   frames_[head & (frames_.size() - 1)] = frame;
-  head_.store(head + 1, std::memory_order_release);
+  if (second) frames_[(head + 1) & (frames_.size() - 1)] = *second;
+  head_.store(head + count, std::memory_order_release);
   return true;
 }
 
@@ -124,12 +125,13 @@ void Servo::tick(double dt_s, double late_ns) {
   last_force_n_ = s.force_n;
   frame_.dt_s = dt_s;
   frame_.time_s += dt_s;
-  if (queue_) {
+  if (queue_ || other_) {
     ServoFrame& f = frame_;
     put_input(in, f);
     put_answer(s, f);
     f.late_us = std::uint32_t(std::min(late_ns / 1000, 4e9));
-    queue_->push(f);
+    const ServoFrame* second = other_ ? &other_->tick(f) : nullptr;
+    if (queue_) queue_->push(f, second);
   }
   ++frame_.tick;
   done_.store(frame_.tick, std::memory_order_relaxed);

@@ -45,8 +45,9 @@ Histogram bare_loop_lateness(double rate_hz, double seconds, bool realtime);
 class FrameQueue {
  public:
   explicit FrameQueue(std::size_t capacity);  ///< rounded up to a power of two
-  bool push(const ServoFrame& frame);
-  /// Appends the waiting frames to `out`.
+  /// The frame, and behind it that of the other hand where there is one: both or none.
+  bool push(const ServoFrame& frame, const ServoFrame* second = nullptr);
+  /// Appends the waiting frames to `out`, of two hands in turns.
   void drain(std::vector<ServoFrame>& out);
   std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 
@@ -61,6 +62,15 @@ struct ServoStatistics {
   std::uint32_t faults = 0;
   double most_force_n = 0, most_force_step_n = 0;
   Histogram late, busy;  ///< wake-up after the due time; and from there to the force sent (clock time of the tick)
+};
+
+/// The other hand, which the loop serves in each tick.
+class OtherHand {
+ public:
+  virtual ~OtherHand() = default;
+  /// Its tick, with the first hand's frame of the same one; what it felt. As a tick, it neither allocates nor locks.
+  virtual const ServoFrame& tick(const ServoFrame& first) = 0;
+  virtual std::uint32_t faults() const = 0;  ///< so far; other threads may ask
 };
 
 /// The servo loop: it reads the device, moves the proxy and sends the force, in the calling thread, until `stop` or
@@ -80,6 +90,9 @@ class Servo {
       : belt_(&belt), device_(device), params_(params), queue_(queue) {}
   /// What lies between the device and the tool; it must outlive the loop. Without one, a silent device is lost.
   void set_port(DevicePort* port) { port_ = port; }
+  /// It is served at the end of each tick, after the first hand's force was sent and its tool has cut: the first hand
+  /// waits for nothing, and the two are of the same ticks whatever either device does. It must outlive the loop.
+  void set_other(OtherHand* other) { other_ = other; }
   void run(std::uint64_t ticks, const std::atomic<bool>& stop);
   /// One tick of the loop, for a caller who has a clock of his own.
   void tick(double dt_s, double late_ns);
@@ -96,6 +109,7 @@ class Servo {
   FrameQueue* queue_;
   Drilling* drilling_ = nullptr;
   DevicePort* port_ = nullptr;
+  OtherHand* other_ = nullptr;
   ServoStatistics statistics_;
   ServoFrame frame_;
   Vec3 last_force_n_;

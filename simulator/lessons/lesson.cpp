@@ -40,7 +40,12 @@ void Lesson::look_for_cut(const haptics::ServoFrame& f, const haptics::ToolBelt&
 
 double LessonFacts::procedure_s() const { return std::round(1e6 * (end_s - begin_s - paused_s)) / 1e6; }
 
-void Lesson::watch(const haptics::ServoFrame& f, const haptics::ToolBelt& belt) {
+void Lesson::set_second(const haptics::RecordedSecondHand& held, std::uint64_t spared) {
+  second_.emplace(held, spared);
+  noted().second.emplace();
+}
+
+void Lesson::watch(const haptics::ServoFrame& f, const haptics::ToolBelt& belt, const haptics::ServoFrame* second) {
   LessonFacts& facts = noted();
   if (facts.end != LessonEnd::running) return;
   if (!begun_) {
@@ -68,7 +73,15 @@ void Lesson::watch(const haptics::ServoFrame& f, const haptics::ToolBelt& belt) 
   was_paused_ = belt.paused();
   look_at_speed(f, belt);
   look_for_cut(f, belt, fresh ? now : haptics::belt_command::none);
-  tick(f, belt, !belt.paused() && (f.buttons & haptics::belt_button::pedal));
+  const bool pedal = !belt.paused() && (f.buttons & haptics::belt_button::pedal);
+  bool other = false;
+  if (second_ && second) {
+    other = !belt.paused() && second_->takes_xrays(*second);
+    second_->look(*second, belt.paused(), *facts.second);
+    if (pedal && haptics::tool_kind(belt.tools()[std::size_t(belt.in_hand())].tool).takes_up)
+      SecondHandWatch::suck(f.time_s, f.dt_s, {f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]}, *facts.second);
+  }
+  tick(f, belt, pedal || other);
   if (!fresh) return;
   if (haptics::belt_command::is_answer(now)) {
     const GivenAnswer given{haptics::belt_command::question_of(now), haptics::belt_command::choice_of(now), f.time_s};

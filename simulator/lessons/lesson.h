@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "haptics/frame.h"
 #include "haptics/tool_belt.h"
 #include "lesson/outcome_record.h"
+#include "lessons/second_hand.h"
 
 namespace trephine::lessons {
 
@@ -38,7 +41,8 @@ struct LessonFacts {
   lesson::Sighting seen = lesson::Sighting::none;  ///< then: of the instrument that was put in
   LessonEnd end = LessonEnd::running;              ///< running: the recording ends before the lesson did
   double most_force_n = 0;
-  std::vector<GivenAnswer> answers;  ///< the first to each question
+  std::vector<GivenAnswer> answers;       ///< the first to each question
+  std::optional<SecondHandFacts> second;  ///< where there was another hand
   /// When the patient was first cut, drilled or entered by a tool; -1: never. Marks on the skin are no cut.
   double first_cut_s = -1;
   double fastest_mm_per_s = 0, fastest_s = 0;  ///< how fast a tool went forward in the patient at most, and when
@@ -52,8 +56,11 @@ class Lesson {
   virtual ~Lesson() = default;
   /// What was asked for: LessonTask::name.
   void set_task(const std::string& task) { noted().task = task; }
-  /// After each tick, with the tools as they are then.
-  void watch(const haptics::ServoFrame& frame, const haptics::ToolBelt& belt);
+  /// There is another hand, which must spare these shapes (spared_shapes()).
+  void set_second(const haptics::RecordedSecondHand& held, std::uint64_t spared);
+  /// After each tick, with the tools as they are then. `second`: what the other hand did in it, where there is one.
+  void watch(const haptics::ServoFrame& frame, const haptics::ToolBelt& belt,
+             const haptics::ServoFrame* second = nullptr);
   /// At the end of the frames: closes what is open. Nothing is watched afterwards.
   virtual void close() = 0;
   virtual const LessonFacts& facts() const = 0;
@@ -63,7 +70,8 @@ class Lesson {
   virtual LessonFacts& noted() = 0;
   /// The first tick, before anything else of it.
   virtual void begin(const haptics::ServoFrame&, const haptics::ToolBelt&) {}
-  /// A tick that the lesson's clock counts or, while paused, does not; `pedal` is never down while paused.
+  /// A tick that the lesson's clock counts or, while paused, does not; `pedal`, or the other hand's switch where that
+  /// takes X-rays, is never down while paused.
   virtual void tick(const haptics::ServoFrame& frame, const haptics::ToolBelt& belt, bool pedal) = 0;
   /// A command in the tick in which it is new, after that tick(); not while paused, and not `finish`.
   virtual void command(int, const haptics::ServoFrame&, const haptics::ToolBelt&) {}
@@ -76,6 +84,7 @@ class Lesson {
     Vec3 tip_mm;
   };
   std::deque<Moment> moments_;  // of one window, with the same tool
+  std::optional<SecondHandWatch> second_;
   int in_hand_ = -1;
   bool begun_ = false, was_paused_ = false;
   std::uint32_t buttons_ = 0;

@@ -13,6 +13,7 @@
 #include "lesson/approval.h"
 #include "lessons/decisions.h"
 #include "lessons/hand_limits.h"
+#include "session/second_hand.h"
 
 namespace trephine::lessons {
 namespace {
@@ -29,6 +30,8 @@ haptics::RecordingHeader header_of(const session::FeltCase& felt, const LessonOp
   h.shaft = o.shaft;
   h.drilling = o.drilling;
   h.law = o.law;
+  h.second = o.second;
+  h.knows_across = o.second_device && o.second_device->knows_across();
   session::set_lesson(h, lesson_type(o.script.module).tools(), o.script.module, o.participant,
                       felt.loaded.manifest.haptic);
   h.task =
@@ -100,16 +103,22 @@ LessonResult run_lesson(session::FeltCase& felt, const LessonOptions& o, const s
                                         {manifest, contact, header.tools, haptics::drilled_shapes(manifest.haptic),
                                          std::move(questions)},
                                         o.aim));
-  haptics::FrameQueue queue(ticks_at_once);
+  haptics::FrameQueue queue(2 * ticks_at_once);
   haptics::ServoParams params = o.servo;
   params.paced = params.realtime = false;
   haptics::Servo servo(belt, hand, params, &queue);
+  std::unique_ptr<session::SecondHand> second;
+  if (header.second) {
+    second = std::make_unique<session::SecondHand>(touch::FeltSpace(contact, felt.beside({})), felt.feels, header,
+                                                   drilling.get(), o.second_device);
+    servo.set_other(second.get());
+  }
   const auto begin = std::chrono::steady_clock::now();
   const auto most = std::uint64_t(std::max(1.0, std::round(o.most_s * o.servo.rate_hz)));
   while (!hand.done() && servo.statistics().ticks < most) {
     Progress({}, &stop).check();
     servo.run(std::min(ticks_at_once, most - servo.statistics().ticks), hand.done());
-    queue.drain(result.recording.frames);
+    session::drain(queue, second != nullptr, result.recording.frames, result.recording.second);
   }
   if (drilling) header.outcome = haptics::outcome_of(felt.loaded.haptic, drilling->outcome());
   result.statistics = servo.statistics();
@@ -137,11 +146,17 @@ std::shared_ptr<const LessonFacts> facts_of_recording(session::FeltCase& felt, c
   haptics::ToolBelt& belt = *rerun.belt();
   const std::unique_ptr<Lesson> lesson = module.begin(felt.loaded.manifest, before, felt.loaded.haptic);
   lesson->set_task(h.task);
+  if (h.second) lesson->set_second(*h.second, spared_shapes(module.second, felt.loaded.manifest.haptic));
+  for (const haptics::ServoFrame& f : recording.second) require_followable(f, file);
   HandLimits limits(contact);
-  for (const haptics::ServoFrame& f : recording.frames) {
+  std::vector<haptics::ServoFrame> answered;
+  for (std::size_t n = 0; n < recording.frames.size(); ++n) {
+    const haptics::ServoFrame& f = recording.frames[n];
+    const haptics::ServoFrame* second = h.second ? &recording.second[n] : nullptr;
     if (replayed) {
-      const haptics::ServoFrame again = rerun.run({f}).front();
-      if (!haptics::same_frame(again, f))
+      answered.clear();
+      const haptics::ServoFrame again = rerun.run({f}, second, answered).front();
+      if (!haptics::same_frame(again, f) || (second && !haptics::same_frame(answered.front(), *second)))
         differs(file, "frames",
                 fmt::format("does not replay bit for bit, tick {} of {} is the first that differs", f.tick,
                             recording.frames.size()));
@@ -149,7 +164,7 @@ std::shared_ptr<const LessonFacts> facts_of_recording(session::FeltCase& felt, c
       belt.follow(haptics::input_of(f, h.rate_hz), haptics::state_of(f));
     }
     with_file(file, [&] { limits.look(f, belt); });
-    lesson->watch(f, belt);
+    lesson->watch(f, belt, second);
   }
   lesson->close();
   if (h.outcome && rerun.drilling() && haptics::volume_digest(felt.loaded.haptic) != h.outcome->volume_sha256)

@@ -2,6 +2,7 @@
 #pragma once
 #include <atomic>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "haptics/recording.h"
@@ -26,6 +27,8 @@ struct LessonOptions {
   std::string task;  ///< what is asked for; empty: what the script says, else what is usual in the case
   const lesson::CompiledRubric* rubric = nullptr;  ///< by which it will be judged, and whose questions a script answers
   double most_s = 7200;                            ///< of the lesson's time; then it ends unfinished
+  std::optional<haptics::RecordedSecondHand> second;  ///< the other hand, whose device is as fast as the script's
+  device::Device* second_device = nullptr;            ///< then
 };
 
 struct LessonResult {

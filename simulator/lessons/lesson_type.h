@@ -103,6 +103,10 @@ struct LessonType {
   std::vector<StepChoice> steps;      ///< what its scripts may say
   bool needs_pictures = false;        ///< fluoroscopy shows where the tool is: a window needs the case's CT
   bool of_head = false;  ///< a window shows a head that is held, and the body beyond it; else a part of the trunk
+  /// What the other hand may hold, and must spare. `second_takes_xrays`: where that is nothing, its switch is the
+  /// pedal.
+  SecondUse second;
+  bool second_takes_xrays = false;
   /// The patients' classes that are exercised in turn. None: a case needs no class, and --classes is ignored.
   std::vector<std::string> classes;
 

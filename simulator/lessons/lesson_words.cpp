@@ -38,6 +38,11 @@ constexpr Wording common[] = {
     {{"the time-out named another patient or task",
       "das Time-out nannte einen anderen Patienten oder eine andere Aufgabe"}},
     {{"it was asked by another rubric", "ein anderer Bewertungsbogen fragte"}},
+    {{"The other hand", "Die andere Hand"}},
+    {{"it pressed on {} with up to {} N", "sie drückte auf {} mit bis zu {} N"}},
+    {{"it spared what it must spare", "sie schonte, was zu schonen ist"}},
+    {{"blood was left where it bled", "Blut blieb, wo es blutete"}},
+    {{"its tip was in {}", "ihre Spitze war in {}"}},
     {{"not answered", "nicht beantwortet"}},
     {{"wrong", "falsch"}},
     {{"after the cut", "nach dem Schnitt"}},
@@ -68,7 +73,11 @@ constexpr Wording common[] = {
     {{"finder", "Pfriem"}},
     {{"marker", "Stift"}},
     {{"burr", "Bohrer"}},
-    {{"catheter", "Katheter"}}};
+    {{"catheter", "Katheter"}},
+    // what the other hand must spare
+    {{"dura", "Dura"}},
+    {{"brain", "Gehirn"}},
+    {{"ventricles", "Ventrikel"}}};
 
 // Figures and limits, by their English titles.
 constexpr Wording figures[] = {{{"midline off", "Abstand zur Mittellinie"}},
@@ -115,6 +124,9 @@ constexpr Wording figures[] = {{{"midline off", "Abstand zur Mittellinie"}},
                                {{"foramen", "Foramen"}},
                                {{"passes", "Durchgänge"}},
                                {{"wrong answers", "nicht richtig beantwortet"}},
+                               {{"second force", "Kraft der anderen Hand"}},
+                               {{"blood left", "Blut, das blieb"}},
+                               {{"suction", "gesaugt"}},
                                {{"procedure", "Dauer"}},
                                {{"paused", "Pausen"}},
                                {{"five", "5 Punkte bis"}},

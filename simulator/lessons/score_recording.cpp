@@ -72,6 +72,7 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
   require_same_questions(h, *s.facts, type, felt.loaded.manifest, rubric, file);
   // What another rubric asked cannot be held against this one: the answers' order follows from the announced one.
   judge_decisions(s.score, *s.facts, h.asked, *rubric.common, h.case_token, h.rubric_sha256 == rubric.sha256);
+  judge_second_hand(s.score, *s.facts, *rubric.common, felt.loaded.manifest.haptic);  // by when it stopped to bleed
   s.head = {h.case_token,
             h.lesson,
             h.participant,

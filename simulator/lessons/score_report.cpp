@@ -60,6 +60,13 @@ Json json_of(const LessonType& module, const LessonFacts& f) {
               {"most_force_n", f.most_force_n},
               {"fastest_mm_per_s", f.fastest_mm_per_s},
               {"fastest_s", f.fastest_s}};
+  if (f.second)
+    out["second_hand"] = {{"tool", f.second->tool},
+                          {"switch_s", f.second->switch_s},
+                          {"most_force_n", f.second->most_force_n},
+                          {"most_force_s", f.second->most_force_s},
+                          {"entered_s", f.second->entered_s < 0 ? Json(nullptr) : Json(f.second->entered_s)},
+                          {"suctions", f.second->suctions.size()}};
   out["from_scan"] = f.from_scan;
   if (f.from_volume) out["from_volume"] = true;
   if (f.from_scan)  // nothing of these was seen

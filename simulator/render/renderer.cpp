@@ -113,9 +113,9 @@ std::size_t Renderer::follow(const std::vector<std::size_t>& marked) {
     if (item.maker) made += item.maker->update(marked);
   return made;
 }
-void Renderer::set_tool(const scene::Solid& solid) {
-  impl_->tool = SolidBuffer(solid, true);
-  impl_->shadow.set_tool(solid);
+void Renderer::set_tool(const scene::Solid& solid, bool second) {
+  (second ? impl_->second_tool : impl_->tool) = SolidBuffer(solid, true);
+  if (!second) impl_->shadow.set_tool(solid);
 }
 void Renderer::set_ct(const grid::Grid<std::int16_t>& ct) { impl_->planes.set_ct(ct, impl_->centre_mm); }
 void Renderer::set_background(std::array<float, 3> linear_rgb) { impl_->background = linear_rgb; }

@@ -96,7 +96,8 @@ class Renderer {
   std::string set_live(int surface, const voxel::HapticVolume& volume, int shape, scene::ViewParams::SurfaceBy by);
   /// Makes live surfaces follow the marked bricks; returns how many bricks were made anew.
   std::size_t follow(const std::vector<std::size_t>& marked);
-  void set_tool(const scene::Solid& solid);
+  /// `second`: of the other hand, which casts no shadow.
+  void set_tool(const scene::Solid& solid, bool second = false);
   /// Its sides must be at most max_ct_side().
   void set_ct(const grid::Grid<std::int16_t>& ct);
   static int max_ct_side();

@@ -231,6 +231,11 @@ void Renderer::Impl::draw_markers(const scene::SceneState& state, double opacity
     }
 }
 
+void Renderer::Impl::draw_tools(const scene::SceneState& state) {
+  if (state.tool_shown) draw_solid_at(tool, state.tip_mm, haptics::frame_along(state.axis), 1);
+  if (state.second_shown) draw_solid_at(second_tool, state.second_tip_mm, haptics::frame_along(state.second_axis), 1);
+}
+
 void Renderer::Impl::draw_solids(const scene::SceneState& state) {
   glEnable(GL_CULL_FACE);
   draw_markers(state, 1);
@@ -241,7 +246,7 @@ void Renderer::Impl::draw_solids(const scene::SceneState& state) {
   dots(state.trace_mm, {0.95f, 0.35f, 0.1f});
   dots(state.ghost_mm, {0.1f, 0.85f, 0.55f});
   dots(state.ink_mm, {0.12f, 0.25f, 0.85f}, 0.9);
-  if (state.tool_shown) draw_solid_at(tool, state.tip_mm, haptics::frame_along(state.axis), 1);
+  draw_tools(state);
   for (const scene::Marker& drop : state.drops) {
     set_colour(drop.colour_rgb);
     draw_solid_at(ball, drop.position_mm, scaled(drop.radius_mm), 1);

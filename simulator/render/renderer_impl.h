@@ -48,6 +48,7 @@ struct Renderer::Impl {
   void draw_caps(const scene::EyeView& eye, const scene::SceneState& state);
   void draw_ct_planes(const scene::EyeView& eye, const scene::SceneState& state);
   void draw_solids(const scene::SceneState& state);
+  void draw_tools(const scene::SceneState& state);
   void draw_markers(const scene::SceneState& state, double opacity);
   void draw_ghost(const scene::SceneState& state);
   void draw_transparent(const scene::SceneState& state);
@@ -67,7 +68,7 @@ struct Renderer::Impl {
   double radius_mm;  // of a ball about the scene's centre that holds all of it
   RenderQuality quality;
   std::vector<Item> items;
-  SolidBuffer tool, room, ball, dot_solid;
+  SolidBuffer tool, second_tool, room, ball, dot_solid;
   std::shared_ptr<const scene::Room> shown_room;    ///< of which `room` was made
   GlProgram surfaces[shaders::all_parts + 1];       ///< made where they are first needed
   std::bitset<shaders::all_parts + 1> made, begun;  ///< of surfaces

@@ -36,6 +36,9 @@ LabelPicture Renderer::Impl::draw_labels(const scene::EyeView& eye, const scene:
   state.tool_shown = shown.tool_shown;
   state.tip_mm = shown.tip_mm;
   state.axis = shown.axis;
+  state.second_shown = shown.second_shown;
+  state.second_tip_mm = shown.second_tip_mm;
+  state.second_axis = shown.second_axis;
   dust.take(state, centre_mm);
 
   const GlObject frame = make_framebuffer();
@@ -73,11 +76,9 @@ LabelPicture Renderer::Impl::draw_labels(const scene::EyeView& eye, const scene:
   draw_opaque(eye, state);
   quality = of_pictures;
   draw_walls(state);
-  if (state.tool_shown) {
-    glEnable(GL_CULL_FACE);
-    draw_solid_at(tool, state.tip_mm, haptics::frame_along(state.axis), 1);
-    glDisable(GL_CULL_FACE);
-  }
+  glEnable(GL_CULL_FACE);
+  draw_tools(state);
+  glDisable(GL_CULL_FACE);
   labelling = false;
   begun.reset();
   kept.after_pass();

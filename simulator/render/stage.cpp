@@ -140,7 +140,8 @@ IncisionWall Stage::wall_of(const session::IncisionMark& mark, int surface, cons
   return wall;
 }
 
-void Stage::show_frame(const haptics::ServoFrame& f) {
+void Stage::show_frame(const haptics::ServoFrame& f, const haptics::RecordedSecondHand* held,
+                       const haptics::ServoFrame* second) {
   state.tool_shown = true;
   state.tip_mm = vec(f.proxy_mm);
   state.axis = normalized(vec(f.axis));
@@ -148,6 +149,14 @@ void Stage::show_frame(const haptics::ServoFrame& f) {
   state.device_mm = norm(device - state.tip_mm) > 0.3 ? std::optional<Vec3>(device) : std::nullopt;
   state.contact_mm = f.touched != 0 ? std::optional<Vec3>(state.tip_mm) : std::nullopt;
   state.contact_strength = std::min(1.0, norm(vec(f.force_n)) / full_glow_n);
+  state.second_shown = held && second && !held->switch_only;
+  if (!state.second_shown) return;
+  if (second_tool_ != held->tool.name) {
+    second_tool_ = held->tool.name;
+    renderer_->set_tool(scene::solid_of(haptics::own_tool(held->tool)), true);
+  }
+  state.second_tip_mm = vec(second->proxy_mm);
+  state.second_axis = normalized(vec(second->axis));
 }
 
 // The picture as a window at `screen_mm` before the camera, seen by an eye that is beside the camera.

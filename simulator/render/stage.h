@@ -64,8 +64,10 @@ class Stage {
   void set_dust(bool shown) { params_.dust = shown; }
   /// Where the parameters of pictures want it.
   void show_dust(std::shared_ptr<const scene::BoneDust> dust) { state.dust = params_.dust ? std::move(dust) : nullptr; }
-  /// Tool, hand and contact as they are in that frame.
-  void show_frame(const haptics::ServoFrame& frame);
+  /// Tool, hand and contact as they are in that frame, and what the other hand held as it is in `second`; null, or a
+  /// switch alone: none is shown.
+  void show_frame(const haptics::ServoFrame& frame, const haptics::RecordedSecondHand* held = nullptr,
+                  const haptics::ServoFrame* second = nullptr);
 
   /// Draws, and copies the picture into the framebuffer that `bind` binds, from its lower left corner; with two eyes
   /// as the parameters say. `bind` is asked for one eye alone where each has a framebuffer (quad_buffer). `head_mm`
@@ -120,6 +122,7 @@ class Stage {
   std::unique_ptr<Renderer> renderer_;
   std::vector<std::size_t> marked_;
   std::size_t shown_incisions_ = 0;
+  std::string second_tool_;
   bool told_incisions_ = false, told_over_ = false;
   std::pair<int, int> told_picture_{0, 0};
   /// By surface, the coarsening in mm: what memory demands, and the present one. 0: full resolution.

@@ -76,7 +76,7 @@ void BoneDust::bleed(std::vector<Bleeding> all, Vec3 down) {
   pools_ = std::move(pools);
 }
 
-void BoneDust::add(const Tick& t) {
+void BoneDust::add(const Tick& t, const Tick* other) {
   if (t.runs && t.cuts) {
     stay_about(t.tip_mm);
     for (owed_ += t.dt_s * grains_per_s; owed_ >= 1; owed_ -= 1) throw_grain(t);
@@ -93,8 +93,10 @@ void BoneDust::add(const Tick& t) {
   since_wash_s_ += t.dt_s;
   since_dry_s_ += t.dt_s;
   if (since_wash_s_ >= wash_each_s) {
-    if (t.runs) wash(t);
-    if (t.takes_up) take_up(t);
+    for (const Tick* of : {&t, other}) {
+      if (of && of->runs) wash(*of);
+      if (of && of->takes_up) take_up(*of);
+    }
     since_wash_s_ = 0;
   }
   if (since_dry_s_ >= dry_each_s) dry();
@@ -263,28 +265,23 @@ DustWatch::DustWatch(std::shared_ptr<BoneDust> dust, const haptics::RecordingHea
       water_ml_per_min_(h.drilling.irrigation_ml_per_min),
       begins_(h, std::move(shape_at)),
       hand_(begins_) {
-  const auto add = [&](const haptics::ToolParams& whole, bool cuts) {
-    const haptics::ToolKind& kind = haptics::tool_kind(whole.tool);
-    held_.push_back({cuts && kind.rotates(), kind.rinses, kind.takes_up, 0.5 * whole.tool_diameter_mm});
-  };
-  for (const haptics::BeltToolParams& t : h.tools) add(haptics::own_tool(t), t.cuts);
-  if (h.tools.empty()) add(haptics::own_tool(h.tool), true);
+  for (const haptics::BeltToolParams& t : h.tools) held_.push_back(held_of(t, t.cuts));
+  if (h.tools.empty()) held_.push_back(held_of(h.tool, true));
+  if (h.second && !h.second->switch_only) second_ = held_of(h.second->tool, false);
+}
+
+DustWatch::Held DustWatch::held_of(const haptics::ToolParams& tool, bool cuts) {
+  const haptics::ToolParams whole = haptics::own_tool(tool);
+  const haptics::ToolKind& kind = haptics::tool_kind(whole.tool);
+  return {cuts && kind.rotates(), kind.rinses, kind.takes_up, 0.5 * whole.tool_diameter_mm};
 }
 
 void DustWatch::bleed(std::vector<Bleeding> all, Vec3 down) { dust_->bleed(std::move(all), down); }
 
-void DustWatch::look(const haptics::ServoFrame& f, bool shown) {
-  ++looked_;
-  hand_.look(f);
-  const bool pedal = hand_.works() && (f.buttons & haptics::Drilling::pedal);
-  if (takes_back_ && hand_.command() == haptics::belt_command::reset && hand_.works() && !pedal && dust_->any())
-    dust_->clear();
-  if (!shown) return;
-  const Held& held = held_[hand_.tool()];
+BoneDust::Tick DustWatch::tick_of(const Held& held, const haptics::ServoFrame& f, bool works) const {
   BoneDust::Tick tick;
   tick.dt_s = f.dt_s;
   tick.time_s = f.time_s;
-  const bool works = pedal && !(f.buttons & haptics::haptic_button::lifted);
   tick.runs = (held.rotates || held.rinses) && works;
   tick.takes_up = held.takes_up && works;
   tick.cuts = tick.runs && held.rotates && f.touched > 0 && (drilled_ >> f.touched & 1);
@@ -292,10 +289,26 @@ void DustWatch::look(const haptics::ServoFrame& f, bool shown) {
   tick.axis = normalized({f.axis[0], f.axis[1], f.axis[2]});
   tick.radius_mm = held.radius_mm;
   tick.water_ml_per_min = held.rinses ? rinse_ml_per_min : water_ml_per_min_;
-  dust_->add(tick);
+  return tick;
 }
 
-void DustWatch::go_to(const std::vector<haptics::ServoFrame>& frames, std::size_t count) {
+void DustWatch::look(const haptics::ServoFrame& f, bool shown, const haptics::ServoFrame* second) {
+  ++looked_;
+  hand_.look(f);
+  const bool pedal = hand_.works() && (f.buttons & haptics::Drilling::pedal);
+  if (takes_back_ && hand_.command() == haptics::belt_command::reset && hand_.works() && !pedal && dust_->any())
+    dust_->clear();
+  if (!shown) return;
+  const bool lifted = f.buttons & haptics::haptic_button::lifted;
+  const BoneDust::Tick tick = tick_of(held_[hand_.tool()], f, pedal && !lifted);
+  if (!second || !second_) return dust_->add(tick);
+  const BoneDust::Tick other =
+      tick_of(*second_, *second, second->faults == 0 && (second->buttons & haptics::Drilling::pedal));
+  dust_->add(tick, &other);
+}
+
+void DustWatch::go_to(const std::vector<haptics::ServoFrame>& frames, std::size_t count,
+                      const std::vector<haptics::ServoFrame>& second) {
   const auto after = std::upper_bound(kept_.begin(), kept_.end(), count,
                                       [](std::size_t n, const Kept& kept) { return n < kept.looked; });
   if (after != kept_.begin() && (count < looked_ || std::prev(after)->looked > looked_)) {
@@ -310,7 +323,7 @@ void DustWatch::go_to(const std::vector<haptics::ServoFrame>& frames, std::size_
   }
   last_looked_ = count - looked_;
   while (looked_ < count) {
-    look(frames[looked_]);
+    look(frames[looked_], true, second.empty() ? nullptr : &second[looked_]);
     if (looked_ % keep_each_ == 0 && (kept_.empty() || kept_.back().looked < looked_)) keep();
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "session/hand_watch.h"
@@ -34,7 +35,8 @@ class BoneDust {
     double radius_mm = 2.5;           ///< of its cutter
     double water_ml_per_min = 0;
   };
-  void add(const Tick& tick);
+  /// `other`: what the tool of the other hand took up or rinsed in the same tick; null: there is none.
+  void add(const Tick& tick, const Tick* other = nullptr);
   /// From now on; `down` (unit) is where it runs.
   void bleed(std::vector<Bleeding> all, Vec3 down);
   void clear();
@@ -85,11 +87,13 @@ class DustWatch {
   DustWatch(std::shared_ptr<BoneDust> dust, const haptics::RecordingHeader& header, std::uint64_t drilled,
             session::HandWatch::ShapeAt shape_at = {});
   void bleed(std::vector<Bleeding> all, Vec3 down);
-  /// `shown`: the dust can be seen. Else none falls, is washed or dries, and all is ready for when it is.
-  void look(const haptics::ServoFrame& frame, bool shown = true);
+  /// `shown`: the dust can be seen. Else none falls, is washed or dries, and all is ready for when it is. `second`: the
+  /// other hand's frame of the same tick, where there is one.
+  void look(const haptics::ServoFrame& frame, bool shown = true, const haptics::ServoFrame* second = nullptr);
   /// As it is after so many of these frames; of the same ones each time. What it was at some times is kept, so that
-  /// going back does not begin anew.
-  void go_to(const std::vector<haptics::ServoFrame>& frames, std::size_t count);
+  /// going back does not begin anew. `second`: those of the other hand, or none.
+  void go_to(const std::vector<haptics::ServoFrame>& frames, std::size_t count,
+             const std::vector<haptics::ServoFrame>& second = {});
   const std::shared_ptr<BoneDust>& dust() const { return dust_; }
   std::size_t last_looked() const { return last_looked_; }  ///< at how many frames, by the last go_to()
 
@@ -99,10 +103,13 @@ class DustWatch {
     double radius_mm;
   };
 
+  static Held held_of(const haptics::ToolParams& tool, bool cuts);
+  BoneDust::Tick tick_of(const Held& held, const haptics::ServoFrame& frame, bool works) const;
   void keep();
 
   std::shared_ptr<BoneDust> dust_;
-  std::vector<Held> held_;  // by the number of the tool
+  std::vector<Held> held_;      // by the number of the tool
+  std::optional<Held> second_;  // of the other hand
   const bool takes_back_;
   const std::uint64_t drilled_;
   const double water_ml_per_min_;

@@ -87,16 +87,18 @@ struct SceneState {
   std::optional<surface::Bounds> cast_box;  ///< nothing of a volume that is cast is seen beyond it; world
   bool cut_shows_ct = true;  ///< where the case has a CT; else, and where false, the cut has the surface's colour
   bool tool_shown = false;
-  Vec3 tip_mm, axis{0, 0, 1};      ///< of the tool: the proxy's
-  std::optional<Vec3> device_mm;   ///< where the hand is, if that is to be shown too
-  std::optional<Vec3> contact_mm;  ///< lit up
-  double contact_strength = 0;     ///< 0 to 1
-  std::vector<Marker> markers;     ///< landmarks, targets
-  std::vector<Marker> moving;      ///< a target that a hand follows, and where it began
-  std::vector<Vec3> ghost_mm;      ///< the way that somebody else went
-  bool insets = false;             ///< three slices of the CT through the tip, in a corner
-  std::vector<Vec3> trace_mm;      ///< a line
-  std::vector<Vec3> ink_mm;        ///< what a marker drew, as dots that touch
+  Vec3 tip_mm, axis{0, 0, 1};  ///< of the tool: the proxy's
+  bool second_shown = false;
+  Vec3 second_tip_mm, second_axis{0, 0, 1};  ///< of the other hand's tool
+  std::optional<Vec3> device_mm;             ///< where the hand is, if that is to be shown too
+  std::optional<Vec3> contact_mm;            ///< lit up
+  double contact_strength = 0;               ///< 0 to 1
+  std::vector<Marker> markers;               ///< landmarks, targets
+  std::vector<Marker> moving;                ///< a target that a hand follows, and where it began
+  std::vector<Vec3> ghost_mm;                ///< the way that somebody else went
+  bool insets = false;                       ///< three slices of the CT through the tip, in a corner
+  std::vector<Vec3> trace_mm;                ///< a line
+  std::vector<Vec3> ink_mm;                  ///< what a marker drew, as dots that touch
   std::optional<TheatreField> theatre;
   std::shared_ptr<const Room> room;      ///< stands about the patient in a theatre, but for where it is cut; null: none
   std::vector<Marker> drops;             ///< of a fluid that comes out of the tool

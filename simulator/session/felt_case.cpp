@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "cases/load_hashed.h"
 #include "haptics/delayed_walls.h"
+#include "session/second_hand.h"
 
 namespace trephine::session {
 
@@ -128,11 +129,29 @@ Rerun::Rerun(FeltCase& felt, contact::ContactVolume& contact, const std::string&
     belt_ = with_file(file, [&] {
       return std::make_unique<haptics::ToolBelt>(space, feels, h.force, h.shaft, h.tools, drilling_.get());
     });
+  if (h.second)
+    second_ = with_file(file, [&] {
+      return std::make_unique<SecondHand>(touch::FeltSpace(contact, felt.beside({})), felt.feels, h, drilling_.get());
+    });
 }
+Rerun::~Rerun() = default;
 
 std::vector<haptics::ServoFrame> Rerun::run(const std::vector<haptics::ServoFrame>& recorded) {
   return belt_ ? haptics::replay_frames(recorded, rate_hz_, *belt_, &port_)
                : haptics::replay_frames(recorded, rate_hz_, *proxy_, drilling_.get(), &port_);
+}
+
+std::vector<haptics::ServoFrame> Rerun::run(const std::vector<haptics::ServoFrame>& recorded,
+                                            const haptics::ServoFrame* second,
+                                            std::vector<haptics::ServoFrame>& answered) {
+  if (!second_) return run(recorded);
+  std::vector<haptics::ServoFrame> out;
+  out.reserve(recorded.size());
+  for (const haptics::ServoFrame& f : recorded) {
+    out.push_back(run({f}).front());
+    answered.push_back(second_->again(*second++));
+  }
+  return out;
 }
 
 FeltCase felt_again(const std::filesystem::path& folder, const std::string& file, const haptics::RecordingHeader& h,

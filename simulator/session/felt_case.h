@@ -13,6 +13,8 @@
 
 namespace trephine::session {
 
+class SecondHand;
+
 /// A loaded case that can be felt.
 struct FeltCase {
   cases::LoadedCase loaded;
@@ -49,7 +51,12 @@ class Rerun {
   /// `marks`, where given, notes what is cut.
   Rerun(FeltCase& felt, contact::ContactVolume& contact, const std::string& file,
         const haptics::RecordingHeader& header, drill::DirtyBricks* marks = nullptr);
+  ~Rerun();
   std::vector<haptics::ServoFrame> run(const std::vector<haptics::ServoFrame>& recorded);
+  /// The same of both hands, tick by tick: the second one's frames are those from `second` on, as many as `recorded`,
+  /// and its answers are appended to `answered`. Where the recording has one hand they are not read.
+  std::vector<haptics::ServoFrame> run(const std::vector<haptics::ServoFrame>& recorded,
+                                       const haptics::ServoFrame* second, std::vector<haptics::ServoFrame>& answered);
   const haptics::Drilling* drilling() const { return drilling_.get(); }
   haptics::ToolBelt* belt() { return belt_.get(); }  ///< null for one tool
 
@@ -59,6 +66,7 @@ class Rerun {
   std::unique_ptr<haptics::Drilling> drilling_;
   std::unique_ptr<haptics::Proxy> proxy_;
   std::unique_ptr<haptics::ToolBelt> belt_;
+  std::unique_ptr<SecondHand> second_;
 };
 
 /// The case and the tool as a recording has them. Throws Error 65, naming the file, where they are others, and where

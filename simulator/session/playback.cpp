@@ -167,13 +167,17 @@ void Playback::run_through(const std::filesystem::path& file, const Progress& pr
   voxel::HapticVolume& volume = patient_->felt.loaded.haptic;
   std::vector<std::int16_t> mirror = volume.voxels.voxels;
   Rerun rerun(patient_->felt, patient_->contact, file.string(), h, &patient_->marks);
+  std::vector<haptics::ServoFrame> second;
   double next_s = frames.front().time_s + step_s;
   for (std::size_t first = 0; first < frames.size();) {
     std::size_t end = first;
     while (end < frames.size() && frames[end].time_s < next_s) ++end;
     follow(first, end);
-    different_ += unlike(rerun.run({frames.begin() + std::ptrdiff_t(first), frames.begin() + std::ptrdiff_t(end)}),
+    second.clear();
+    different_ += unlike(rerun.run({frames.begin() + std::ptrdiff_t(first), frames.begin() + std::ptrdiff_t(end)},
+                                   recording_.second.data() + (recording_.second.empty() ? 0 : first), second),
                          frames, first);
+    different_ += unlike(second, recording_.second, first);
     if (end > first) note_changes(frames[end - 1].time_s, mirror);
     first = end;
     next_s += step_s;
@@ -188,7 +192,9 @@ void Playback::require_same_frames(const std::filesystem::path& file) {
   std::size_t different = different_;
   if (!header().drilling.drill) {
     Rerun rerun(patient_->felt, patient_->contact, file.string(), header());
-    different = unlike(rerun.run(frames()), frames(), 0);
+    std::vector<haptics::ServoFrame> second;
+    different = unlike(rerun.run(frames(), recording_.second.data(), second), frames(), 0);
+    different += unlike(second, recording_.second, 0);
   }
   if (different > 0)
     throw refusal("frames",

@@ -74,6 +74,9 @@ class Playback {
   double time_s() const { return time_s_; }
   const haptics::ServoFrame& frame() const { return recording_.frames[frame_]; }
   std::size_t frame_number() const { return frame_; }  ///< of frames()
+  /// What the other hand held, and its frame then; null where there was one hand.
+  const haptics::RecordedSecondHand* held_second() const { return header().second ? &*header().second : nullptr; }
+  const haptics::ServoFrame* second_frame() const { return header().second ? &recording_.second[frame_] : nullptr; }
   /// How voxels changed from begin to end, in the order of their times. They are compared each 60th of a second.
   struct VoxelChange {
     double time_s;

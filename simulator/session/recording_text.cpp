@@ -60,6 +60,7 @@ class Cells {
 // What the frame and those before it that were passed over say together.
 struct Row {
   ServoFrame frame;
+  const ServoFrame* second;  // of the other hand; null where there was one
   std::uint32_t command;
   std::size_t tool;  // in hand
 };
@@ -94,12 +95,26 @@ void add_row(const Row& row, const RecordingHeader& h, Cells cells) {
   cells.text(names_of(f.faults, haptics::haptic_fault::names));
   cells.whole(f.late_us);
   if (h.knows_across) cells.numbers(f.across);
+  if (!row.second) return;
+  const ServoFrame& s = *row.second;
+  cells.numbers(s.tip_mm);
+  cells.numbers(s.axis);
+  cells.numbers(s.proxy_mm);
+  cells.numbers(s.normal);
+  cells.numbers(s.force_n);
+  cells.number(length_of(s.force_n));
+  for (const std::int32_t v : {s.touched, s.face, s.inside, s.held_by}) cells.whole(v);
+  cells.whole(s.buttons & belt_button::pedal);
+  cells.whole(s.buttons);
+  cells.text(names_of(s.events, haptics::haptic_event::names));
+  cells.text(names_of(s.faults, haptics::haptic_fault::names));
+  if (h.knows_across) cells.numbers(s.across);
 }
 
 // Calls for each frame that is taken, with what happened in those before it.
 template <class F>
 void each_frame(const Recording& r, int every, const F& call) {
-  std::uint32_t events = 0, faults = 0, command = 0, late = 0;
+  std::uint32_t events = 0, faults = 0, command = 0, late = 0, second_events = 0, second_faults = 0;
   HandWatch hand(r.header);
   for (std::size_t n = 0; n < r.frames.size(); ++n) {
     const ServoFrame& f = r.frames[n];
@@ -107,14 +122,21 @@ void each_frame(const Recording& r, int every, const F& call) {
     events |= f.events;
     faults |= f.faults;
     late = std::max(late, f.late_us);
+    if (!r.second.empty()) {
+      second_events |= r.second[n].events;
+      second_faults |= r.second[n].faults;
+    }
     if (const int c = belt_button::command(f.buttons); c != 0) command = std::uint32_t(c);
     if ((n + 1) % std::size_t(every) != 0 && n + 1 != r.frames.size()) continue;
     ServoFrame taken = f;
     taken.events = events;
     taken.faults = faults;
     taken.late_us = late;
-    call(Row{taken, command, hand.tool()});
-    events = faults = command = late = 0;
+    ServoFrame second = r.second.empty() ? ServoFrame() : r.second[n];
+    second.events = second_events;
+    second.faults = second_faults;
+    call(Row{taken, r.second.empty() ? nullptr : &second, command, hand.tool()});
+    events = faults = command = late = second_events = second_faults = 0;
   }
 }
 
@@ -145,6 +167,22 @@ std::vector<std::pair<std::string, std::string>> recording_columns(const Recordi
                      {"faults", "with + between them"},
                      {"late_us", "how late the tick woke"}});
   if (header.knows_across) three("across", "", "unit, turns with the tool about its axis");
+  if (!header.second) return c;
+  three("second_tip", "_mm", "the other hand's device");
+  three("second_axis", "", "unit, from its tool's tip to its tail");
+  three("second_proxy", "_mm", "where its tool's tip is shown");
+  three("second_normal", "", "of the surface that presses most on its tool");
+  three("second_force", "_n", "on the other hand");
+  c.insert(c.end(), {{"second_force_n", "its size"},
+                     {"second_touched", "number of the shape that its tool touches, 0 without contact"},
+                     {"second_face", "1 front, 2 back, 0 without contact"},
+                     {"second_inside", "number of the shape that its proxy is in, 0 for none"},
+                     {"second_held_by", "how many surfaces press on its tool"},
+                     {"second_pedal", "1 while its switch is down"},
+                     {"second_buttons", "all its bits"},
+                     {"second_events", "with + between them"},
+                     {"second_faults", "with + between them"}});
+  if (header.knows_across) three("second_across", "", "unit, turns with its tool about its axis");
   return c;
 }
 

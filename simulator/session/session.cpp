@@ -19,6 +19,7 @@ namespace {
 
 // A session without a clock would outrun any disk, so its frames are kept until its end, up to this number.
 constexpr double max_kept_ticks = 2e7;
+constexpr double apart_mm = 30;  // a second hand that is led begins so far to the patient's left of the first
 
 double thread_cpu_s() {
   timespec t{};
@@ -49,19 +50,20 @@ std::unique_ptr<device::Device> witnessed(std::unique_ptr<device::Device> device
   return device::with_witness(std::move(device), o.record_server_port, lesson_number(case_sha256, o));
 }
 
-// The port with the damping that it is measured against.
-haptics::PortParams port_of(haptics::PortParams port, const device::Device& device, double workspace_scale) {
+// The port with the damping that it is measured against. `flags`: what its flags begin with.
+haptics::PortParams port_of(haptics::PortParams port, const device::Device& device, double workspace_scale,
+                            const std::string& flags = "--") {
   if (!(port.device_delay_ms > 0)) return port;
   if (port.device_own_damping_n_s_per_mm == 0)
     port.device_own_damping_n_s_per_mm = device.damping_n_s_per_mm();
   else
     port.device_own_damping_n_s_per_mm /= workspace_scale;  // as the tool meets it, which the device reports by itself
   if (port.device_own_damping_n_s_per_mm == 0 && !port.allow_undamped)
-    throw Error(ExitCode::usage, "", "--device-delay-ms",
-                fmt::format("{:g}, and the device's damping is not known: no wall is stable behind a delay without it. "
-                            "Give it with --device-own-damping-n-s-per-mm (its maker says it), or start with "
-                            "--allow-undamped, where a wall yields to a lasting press",
-                            port.device_delay_ms));
+    throw Error(ExitCode::usage, "", flags + "device-delay-ms",
+                fmt::format("{0:g}, and the device's damping is not known: no wall is stable behind a delay without "
+                            "it. Give it with {1}device-own-damping-n-s-per-mm (its maker says it), or start with "
+                            "{1}allow-undamped, where a wall yields to a lasting press",
+                            port.device_delay_ms, flags));
   return port;
 }
 
@@ -80,6 +82,10 @@ std::function<int(Vec3)> shape_at_of(std::shared_ptr<const Patient> patient) {
   return [patient = std::move(patient)](Vec3 place_mm) { return patient->contact.shape_at(place_mm); };
 }
 
+std::uint32_t lasting_second_faults(const SessionResult& result) {
+  return result.second ? result.second->faults & ~haptics::haptic_fault::passing : 0;
+}
+
 double SessionResult::cpu_us_a_tick() const {
   return statistics.ticks > 0 ? 1e6 * cpu_s / double(statistics.ticks) : 0;
 }
@@ -94,6 +100,7 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
           with_board(device::in_workspace(before_screen(made_device(options, say), options), options.workspace),
                      options.board),
           options, patient_->felt.case_sha256)),
+      second_device_(made_second(options, say)),
       header_(header_of(options)),
       drilling_(patient_->felt.drilling_of(header_, patient_->contact, &patient_->marks)),
       port_(header_.port, options.force,
@@ -125,6 +132,11 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
     servo_.emplace(*belt_, *device_, options.servo, queue);
   }
   servo_->set_port(&port_);
+  if (second_device_) {
+    second_ = std::make_unique<SecondHand>(touch::FeltSpace(patient_->contact, patient_->felt.beside({})),
+                                           patient_->felt.feels, header_, drilling_.get(), second_device_.get());
+    servo_->set_other(second_.get());
+  }
   if (options.sound.sound && options.servo.paced && drilling_)
     sound_ = std::make_unique<sound::LiveSound>(options.sound, sound::BurrVoice{header_.drilling.spindle_rpm}, [this] {
       const haptics::Drilling::Heard h = drilling_->heard();
@@ -138,14 +150,25 @@ Session::~Session() {
 
 std::unique_ptr<device::Device> Session::made_device(const SessionOptions& options,
                                                      const std::function<void(const texts::Note&)>& say) {
-  std::unique_ptr<device::Device> device = options.own_device
-                                               ? options.own_device(scene_of(options, say))
-                                               : device::make_device(options.device, scene_of(options, say));
+  const device::DeviceScene scene = scene_of(options, options.workspace, say);
+  std::unique_ptr<device::Device> device =
+      options.own_device ? options.own_device(scene) : device::make_device(options.device, scene);
   place_error_mm_ = device->place_error_mm();
   return device;
 }
 
-device::DeviceScene Session::scene_of(const SessionOptions& options,
+std::unique_ptr<device::Device> Session::made_second(const SessionOptions& options,
+                                                     const std::function<void(const texts::Note&)>& say) {
+  if (!options.second) return nullptr;
+  const SecondOptions& o = *options.second;
+  device::DeviceScene scene = scene_of(options, o.workspace, say);
+  scene.begin->tip_mm += Vec3{apart_mm, 0, 0} / o.workspace.workspace_scale;
+  scene.drilled = 0;
+  scene.tools.clear();
+  return device::in_workspace(device::make_device(o.device, scene), o.workspace);
+}
+
+device::DeviceScene Session::scene_of(const SessionOptions& options, const device::WorkspaceParams& w,
                                       const std::function<void(const texts::Note&)>& say) {
   device::DeviceScene scene{patient_->contact,
                             haptics::touchable_of(patient_->felt.feels),
@@ -159,7 +182,6 @@ device::DeviceScene Session::scene_of(const SessionOptions& options,
                             options.view,
                             options.begin};
   // The workspace moves and scales what a device says: it begins where the tool is to begin.
-  const device::WorkspaceParams& w = options.workspace;
   device::HandBegin begin = device::begin_of(scene);
   const Mat3 axes = device::workspace_axes(w);
   const Vec3 offset_mm{w.workspace_offset_mm[0], w.workspace_offset_mm[1], w.workspace_offset_mm[2]};
@@ -181,7 +203,7 @@ device::DeviceScene Session::scene_of(const SessionOptions& options,
 haptics::RecordingHeader Session::header_of(const SessionOptions& options) const {
   haptics::RecordingHeader header = patient_->felt.header();
   header.device = options.device.name;
-  header.knows_across = device_->knows_across();
+  header.knows_across = device_->knows_across() || (second_device_ && second_device_->knows_across());
   header.place_error_mm = place_error_mm_;
   header.rate_hz = options.servo.rate_hz;
   header.contact = options.contact;
@@ -194,6 +216,11 @@ haptics::RecordingHeader Session::header_of(const SessionOptions& options) const
   header.law = options.law;
   header.target = options.target;
   header.begins_sha256 = options.begins_sha256;
+  if (options.second) {
+    const SecondOptions& o = *options.second;
+    header.second = haptics::RecordedSecondHand{o.device.name, o.switch_only, o.force, {}, o.tool};
+    header.second->port = port_of(o.port, *second_device_, o.workspace.workspace_scale, "--second-");
+  }
   if (!options.tools.empty()) {
     set_lesson(header, options.tools, options.lesson, options.participant, patient_->felt.loaded.manifest.haptic);
     header.task = options.task;
@@ -205,7 +232,7 @@ haptics::RecordingHeader Session::header_of(const SessionOptions& options) const
 
 std::size_t Session::queue_size() const {
   if (options_.stepped || (!recording_ && !options_.watched)) return 64;
-  return options_.servo.paced ? std::size_t(1) << 16 : std::size_t(ticks_);
+  return options_.servo.paced ? std::size_t(1) << 16 : std::size_t(ticks_) * (options_.second ? 2 : 1);
 }
 
 int Session::tool_points() const { return proxy_ && proxy_->tool_body() ? proxy_->tool_body()->count() : 0; }
@@ -237,8 +264,9 @@ const haptics::ServoFrame& Session::step() {
 
 void Session::drain() {
   frames_.clear();
-  queue_.drain(frames_);
-  if (recording_) recording_->add(frames_);
+  second_frames_.clear();
+  session::drain(queue_, second_ != nullptr, frames_, second_frames_);
+  if (recording_) recording_->add(frames_, second_frames_);
 }
 
 const std::vector<haptics::ServoFrame>& Session::take_frames() {
@@ -263,6 +291,9 @@ SessionResult Session::finish() {
   result.shapes = patient_->felt.shapes;
   result.jumps = port_.jumps();
   result.gaps = port_.gaps();
+  if (second_)
+    result.second = SessionResult::Second{second_device_->counts(), second_->jumps(),        second_->gaps(),
+                                          second_->touching(),      second_->most_force_n(), second_->faults()};
   if (drilling_) {
     result.drilled = drilling_->outcome();
     result.outcome = haptics::outcome_of(patient_->felt.loaded.haptic, drilling_->outcome());

@@ -18,6 +18,7 @@
 #include "haptics/servo.h"
 #include "session/button_board.h"
 #include "session/felt_case.h"
+#include "session/second_hand.h"
 #include "sound/live_sound.h"
 
 namespace trephine::session {
@@ -54,6 +55,7 @@ struct SessionOptions {
   /// Of a mirror workbench: the device is brought before the screen, and moves as the view that `screen_view` tells.
   std::optional<device::ScreenRegistration> screen;
   std::shared_ptr<device::Mailbox<device::ScreenView>> screen_view;  ///< read by the servo thread alone
+  std::optional<SecondOptions> second;                               ///< the other hand; none: there is one
   double seconds = 10;
   haptics::ServoParams servo;
   contact::ContactParams contact;
@@ -88,13 +90,23 @@ struct SessionResult {
   haptics::RealtimeGrant grant;
   haptics::ServoStatistics statistics;
   std::vector<std::pair<std::string, std::uint64_t>> device_counts;
-  std::uint64_t jumps = 0, gaps = 0;                ///< of the device, after which the force came back
+  std::uint64_t jumps = 0, gaps = 0;  ///< of the device, after which the force came back
+  struct Second {                     ///< of the other hand
+    std::vector<std::pair<std::string, std::uint64_t>> device_counts;
+    std::uint64_t jumps = 0, gaps = 0, touching = 0;
+    double most_force_n = 0;
+    std::uint32_t faults = 0;
+  };
+  std::optional<Second> second;
   std::uint64_t frames_lost = 0;                    ///< frames that were not recorded, because the disk was too slow
   std::optional<haptics::DrillingOutcome> drilled;  ///< where the tool cuts
   std::optional<haptics::RecordedCutting> outcome;  ///< the same in mm, with the volume's hash
   double cpu_s = 0;                                 ///< of the servo thread, including the system calls of its sleeps
   double cpu_us_a_tick() const;
 };
+
+/// Of the other hand, those after which its force stayed zero; 0 where there is none.
+std::uint32_t lasting_second_faults(const SessionResult& result);
 
 /// A hand in a case: what is felt, the device, the tool, and the servo loop in its own thread. The caller constructs
 /// it, starts it, calls write_frames() regularly while it is running(), and finishes it. A command calls write_frames()
@@ -130,18 +142,25 @@ class Session {
   SessionResult finish();
   /// The frames that finish() took, for a session that is watched.
   const std::vector<haptics::ServoFrame>& last_frames() const { return frames_; }
+  /// Of the other hand, as many as step(), take_frames() or finish() gave, of the same ticks; empty where there is
+  /// none.
+  const std::vector<haptics::ServoFrame>& second_frames() const { return second_frames_; }
 
   const haptics::RecordingHeader& header() const { return header_; }
   int tool_points() const;                                               ///< 0: a point at the tip alone
   const haptics::Drilling* drilling() const { return drilling_.get(); }  ///< null where nothing cuts
   /// May be called while it runs: the faults latched so far, and how long it has run.
   std::uint32_t faults() const { return servo_->faults(); }
+  std::uint32_t second_faults() const { return second_ ? second_->faults() : 0; }
   double time_s() const { return double(servo_->ticks_done()) / options_.servo.rate_hz; }
 
  private:
   haptics::RecordingHeader header_of(const SessionOptions& options) const;
-  device::DeviceScene scene_of(const SessionOptions& options, const std::function<void(const texts::Note&)>& say);
+  device::DeviceScene scene_of(const SessionOptions& options, const device::WorkspaceParams& workspace,
+                               const std::function<void(const texts::Note&)>& say);
   std::unique_ptr<device::Device> made_device(const SessionOptions& options,
+                                              const std::function<void(const texts::Note&)>& say);
+  std::unique_ptr<device::Device> made_second(const SessionOptions& options,
                                               const std::function<void(const texts::Note&)>& say);
   std::size_t queue_size() const;
   void drain();
@@ -151,7 +170,7 @@ class Session {
   const std::atomic<bool>& stop_;
   std::shared_ptr<Patient> patient_;
   double place_error_mm_ = 0;  // of the device itself, whatever lies before it
-  std::unique_ptr<device::Device> device_;
+  std::unique_ptr<device::Device> device_, second_device_;
   haptics::RecordingHeader header_;
   std::unique_ptr<haptics::Drilling> drilling_;
   haptics::DevicePort port_;
@@ -160,8 +179,9 @@ class Session {
   std::unique_ptr<haptics::RecordingWriter> recording_;
   std::uint64_t ticks_;
   haptics::FrameQueue queue_;
+  std::unique_ptr<SecondHand> second_;
   std::optional<haptics::Servo> servo_;
-  std::vector<haptics::ServoFrame> frames_;  // on their way from the queue to the disk
+  std::vector<haptics::ServoFrame> frames_, second_frames_;  // on their way from the queue to the disk
   haptics::RealtimeGrant grant_;
   std::unique_ptr<sound::LiveSound> sound_;
   double cpu_s_ = 0;

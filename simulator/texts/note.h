@@ -21,6 +21,8 @@ enum class NoteId {
   fault_gap,
   force_is_zero,
   force_comes_back,
+  second_force_is_zero,
+  second_force_comes_back,
   // Of devices.
   waiting_for_device,
   waiting_for_tracker,

@@ -132,9 +132,10 @@ void CaseView::trace(bool on) {
   trace_apart_mm_ = 1;
 }
 
-void CaseView::look_at(const haptics::ServoFrame& frame) {
+void CaseView::look_at(const haptics::ServoFrame& frame, const haptics::RecordedSecondHand* held,
+                       const haptics::ServoFrame* second) {
   frame_ = frame;
-  stage_.show_frame(frame);
+  stage_.show_frame(frame, held, second);
   stage_.state.moving = scene::moving_of(target_.get(), frame.time_s);
 }
 

@@ -48,8 +48,9 @@ class CaseView {
   void show_target(std::shared_ptr<const session::MovingTarget> target);
   /// How far the tip is behind it along its path, mm; none where it does not run.
   std::optional<double> behind_mm() const;
-  /// Tool, hand and contact as they are in that frame.
-  void look_at(const haptics::ServoFrame& frame);
+  /// Tool, hand and contact as they are in that frame, and the other hand (Stage::show_frame).
+  void look_at(const haptics::ServoFrame& frame, const haptics::RecordedSecondHand* held = nullptr,
+               const haptics::ServoFrame* second = nullptr);
   /// Makes the scene follow what was cut, and measures at the tool.
   void follow();
   const haptics::ServoFrame& frame() const { return frame_; }

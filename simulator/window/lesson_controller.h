@@ -62,8 +62,10 @@ class LessonController {
 
   texts::Answer answer(const std::string& choice);  ///< the question that is asked, by the answer's name
 
-  /// What the servo did. `drilling`: the session's, null where nothing can be cut.
-  void watch(const std::vector<haptics::ServoFrame>& frames, const haptics::Drilling* drilling);
+  /// What the servo did. `drilling`: the session's, null where nothing can be cut. `second`: of the other hand, as
+  /// many.
+  void watch(const std::vector<haptics::ServoFrame>& frames, const haptics::Drilling* drilling,
+             const std::vector<haptics::ServoFrame>& second = {});
   bool ended() const { return lesson_->facts().end != lessons::LessonEnd::running; }  ///< as far as was watched
   bool paused() const { return belt_->paused(); }
   bool pedal() const { return pedal_; }

@@ -72,7 +72,7 @@ LiveSession::~LiveSession() {
 
 void LiveSession::begin() {
   session::SessionOptions o = options_;
-  session_faults_ = 0;
+  session_faults_ = second_faults_ = 0;
   o.watched = true;
   o.view = axes_;
   o.screen_view = screen_;
@@ -95,22 +95,24 @@ void LiveSession::begin() {
   const bool own = o.device.name.empty();
   if (own) {
     o.device.name = "screen";
-    o.own_device = [this](const device::DeviceScene&) {
-      auto screen = std::make_unique<ScreenHand>(hand_params_, hand.goal());
-      hand.hold_by(screen.get());
+    screen_hand_ = std::make_shared<ScreenHand*>(nullptr);
+    o.own_device = [made = screen_hand_, params = hand_params_, goal = hand.goal()](const device::DeviceScene&) {
+      auto screen = std::make_unique<ScreenHand>(params, goal);
+      *made = screen.get();
       return screen;
     };
   }
   end_ = false;
   // A device may have to be waited for; the window goes on meanwhile.
-  coming_ = std::async(own ? std::launch::deferred : std::launch::async, [this, o] {
+  const bool at_once = own && !o.second;
+  coming_ = std::async(at_once ? std::launch::deferred : std::launch::async, [this, o] {
     const auto hear = [this](const texts::Note& note) {
       const std::lock_guard<std::mutex> lock(heard_mutex_);
       heard_.push_back(note);
     };
     return std::make_unique<session::Session>(o, end_, hear, patient_);
   });
-  if (own) meet();
+  if (at_once) meet();
 }
 
 // Takes the session once it is there.
@@ -123,6 +125,7 @@ void LiveSession::meet() {
   if (!coming_.valid() || coming_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout) return;
   try {
     session_ = coming_.get();
+    if (const auto made = std::exchange(screen_hand_, nullptr)) hand.hold_by(*made);
   } catch (...) {  // the session could not begin and took the hand with it; a window without a hand is of no use
     hand.hold_by(nullptr);
     failed_ = true;
@@ -158,7 +161,7 @@ void LiveSession::end() {
   session_.reset();
   recorded_ = true;
   hand.hold_by(nullptr);
-  faults_ |= r.statistics.faults;
+  faults_ |= r.statistics.faults | (r.second ? r.second->faults : 0);
   const std::string what = lesson_ ? r.header.lesson : r.header.tool.tool;
   notes_.add(ticks_of(what, r.statistics));
   if (target_watch_)
@@ -269,9 +272,14 @@ void LiveSession::follow() {
   const std::vector<haptics::ServoFrame>& frames = session_->take_frames();
   late_us_ = 0;
   bool marked = false, commanded = false;
-  for (const haptics::ServoFrame& f : frames) {
+  std::uint32_t second_faults = 0;
+  const std::vector<haptics::ServoFrame>& second = session_->second_frames();
+  const std::optional<haptics::RecordedSecondHand>& held = session_->header().second;
+  for (std::size_t n = 0; n < frames.size(); ++n) {
+    const haptics::ServoFrame& f = frames[n];
     watch_->look(f, incisions_);
-    dust_watch_->look(f, view_.stage().view().dust);
+    dust_watch_->look(f, view_.stage().view().dust, held ? &second[n] : nullptr);
+    if (held) second_faults |= second[n].faults;
     if (target_watch_) target_watch_->look(f);
     late_us_ = std::max(late_us_, double(f.late_us));
     marked = marked || (f.buttons & haptics::Drilling::mark);
@@ -283,8 +291,9 @@ void LiveSession::follow() {
   if (commanded) board_->buttons.store(0, std::memory_order_relaxed);
   const haptics::ServoFrame& shown = view_.frame();
   if (!frames.empty()) {  // else the last frame may be of the session before this one
-    view_.look_at(frames.back());
+    view_.look_at(frames.back(), held ? &*held : nullptr, held ? &second.back() : nullptr);
     faults_ |= shown.faults;
+    follow_second(second_faults);
     if (const std::uint32_t faults = shown.faults & ~session_faults_; faults != 0) {
       session_faults_ |= faults;
       const std::uint32_t passing = faults & haptics::haptic_fault::passing, lasting = faults - passing;
@@ -304,8 +313,16 @@ void LiveSession::follow() {
   if (lesson_) follow_lesson(frames);
 }
 
+void LiveSession::follow_second(std::uint32_t faults) {
+  const std::uint32_t fresh = faults & ~second_faults_;
+  second_faults_ |= faults;
+  const std::uint32_t passing = fresh & haptics::haptic_fault::passing, lasting = fresh - passing;
+  if (lasting != 0) notes_.add({texts::NoteId::second_force_is_zero, {}, words_of(lasting)});
+  if (passing != 0) notes_.add({texts::NoteId::second_force_comes_back, {}, words_of(passing)});
+}
+
 void LiveSession::follow_lesson(const std::vector<haptics::ServoFrame>& frames) {
-  lesson_->watch(frames, session_->drilling());
+  lesson_->watch(frames, session_->drilling(), session_->second_frames());
   lesson_->take_ink(view_.stage().state.ink_mm);
   if (lesson_->tool().name != tool_name_) {
     tool_name_ = lesson_->tool().name;

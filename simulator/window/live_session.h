@@ -62,6 +62,7 @@ class LiveSession {
   void meet();
   void tell_screen();
   void follow();
+  void follow_second(std::uint32_t faults);
   void follow_lesson(const std::vector<haptics::ServoFrame>& frames);
   void press_as_needed();
   void ink(const haptics::ServoFrame& frame);
@@ -76,6 +77,7 @@ class LiveSession {
   std::atomic<bool> end_{false};
   std::unique_ptr<session::Session> session_;
   std::future<std::unique_ptr<session::Session>> coming_;  // waits for its device
+  std::shared_ptr<ScreenHand*> screen_hand_;               // of the session that comes, once it is there
   std::mutex heard_mutex_;
   std::vector<texts::Note> heard_;  // of sessions that are coming
   std::unique_ptr<session::IncisionWatch> watch_;
@@ -91,7 +93,7 @@ class LiveSession {
   Vec3 last_ink_mm_;
   double ink_mm_ = 0, servo_hz_ = 0, late_us_ = 0, wall_s_ = 0, rate_wall_s_ = 0;
   std::uint64_t rate_ticks_ = 0;
-  std::uint32_t seen_buttons_ = 0, faults_ = 0, session_faults_ = 0;
+  std::uint32_t seen_buttons_ = 0, faults_ = 0, session_faults_ = 0, second_faults_ = 0;
   int sessions_ = 0;
   bool recorded_ = false, failed_ = false, many_incisions_ = false;
 };

@@ -13,10 +13,11 @@ void ShownRecording::step(double wall_s, CaseView& view) {
   std::size_t count = 0;
   for (const session::IncisionMark& m : playback_->incisions()) count += m.time_s <= playback_->time_s();
   view.stage().show_incisions(playback_->incisions(), count);
-  if (view.stage().view().dust) dust_.go_to(playback_->frames(), playback_->frame_number() + 1);
+  if (view.stage().view().dust)
+    dust_.go_to(playback_->frames(), playback_->frame_number() + 1, playback_->recording().second);
   view.stage().show_dust(dust_.dust());
   if (playback_->tool_name() != tool_name_) show_tool(view);
-  view.look_at(playback_->frame());
+  view.look_at(playback_->frame(), playback_->held_second(), playback_->second_frame());
 }
 
 void ShownRecording::show_tool(CaseView& view) {

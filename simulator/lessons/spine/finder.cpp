@@ -43,6 +43,7 @@ void set_five_errors_lesson(LessonType& m) {
   m.status = spine_status;
   m.field = spine_field;
   m.xray = spine_xray;
+  m.second_takes_xrays = true;
   m.shots = spine_shots;
 }
 

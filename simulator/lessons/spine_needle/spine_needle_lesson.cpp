@@ -107,6 +107,7 @@ LessonType spine_needle_lesson() {
   };
   m.field = spine_field;
   m.xray = spine_xray;
+  m.second_takes_xrays = true;
   m.shots = spine_shots;
   return m;
 }

@@ -283,6 +283,7 @@ LessonType ventriculostomy_lesson() {
   };
   m.tasks = tasks_of;
   m.tools = ventriculostomy_tools;
+  m.second = {{"suction", "irrigation"}, {"dura", "brain", "ventricles"}};
   m.plan = plan_head_moves;
   m.begin = [](const cases::CaseManifest& manifest, const voxel::HapticVolume& before, const voxel::HapticVolume& now) {
     return std::unique_ptr<Lesson>(std::make_unique<Ventriculostomy>(manifest, before, now));

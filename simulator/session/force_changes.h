@@ -6,7 +6,7 @@
 
 #include "haptics/frame.h"
 
-namespace trephine::haptics {
+namespace trephine::session {
 
 /// How much the force changes from tick to tick, by the milliseconds between: a histogram of what a hand feels as
 /// jumps.
@@ -19,6 +19,6 @@ struct ForceChanges {
   std::uint64_t turns = 0;  ///< how often the touched shape changed from one to another on successive ticks
 };
 /// Of all ticks, or of those in which the pedal was down and something was touched.
-ForceChanges force_changes(const std::vector<ServoFrame>& frames, bool drilling);
+ForceChanges force_changes(const std::vector<haptics::ServoFrame>& frames, bool drilling);
 
-}  // namespace trephine::haptics
+}  // namespace trephine::session

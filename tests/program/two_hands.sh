@@ -1,0 +1,168 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Two hands: both are felt, recorded and replayed, the first as it is without the second; what is spoilt or makes no sense is
+# refused in one line; lessons judge what the other hand did.
+. "$(dirname "$0")/common.sh"
+: "${OFFLINE:?}" "${WRITE_CASE:?}"
+"$WRITE_CASE" "$work/head" head_drilled
+servo=("$TREPHINE" servo "$work/head" --no-paced --max-step-s 3600 --seconds 1 --device trajectory --trajectory "$work/first.txt")
+second=(--second-device trajectory --second-trajectory "$work/second.txt" --second-tool suction)
+# Down the burr hole, and beside it onto the head.
+python3 - "$work" <<'PY'
+import json, sys
+work = sys.argv[1]
+hole = json.load(open(work + "/head/case.json"))["burr_holes"][0]
+at, out = hole["position_mm"], [-a for a in hole["direction"]]
+def path(name, aside, deepest, switch=0, seconds=1):
+    with open(f"{work}/{name}.txt", "w") as f:
+        for n in range(0, 101):
+            far = 30 + (deepest - 30) * n / 100
+            p = [a + o * far for a, o in zip(at, out)]
+            p[1] += aside
+            print(round(seconds * n / 100, 4), *p, *out, switch if n > 50 else 0, file=f)
+path("first", 30, -4)
+path("second", 0, -20, 1)
+path("swept", 0, -20, 1, 4)
+PY
+"${servo[@]}" --record "$work/one.servo" >/dev/null
+"${servo[@]}" "${second[@]}" --record "$work/both.servo" --json "$work/both.json" >"$work/text"
+grep -q '^second hand: suction on trajectory$' "$work/text" || { cat "$work/text"; fail "does not say what the second hand holds"; }
+[[ $(stat -c %s "$work/both.servo") == $((16 + 8192 + 1000 * 2 * 176)) ]] || fail "a recording of another size"
+"$TREPHINE" replay "$work/head" "$work/both.servo" | grep -q '^replayed bit for bit$' || fail "not the same"
+"$TREPHINE" export-recording "$work/both.servo" --csv "$work/both.csv" --json "$work/text.json" >/dev/null
+python3 - "$SOURCE" "$work" <<'PY' || fail "the recording of both"
+import csv, json, sys
+source, work = sys.argv[1:]
+sys.path.insert(0, source + "/examples/python_reader")
+import read_recording
+head = 16 + 8192
+one, both = (open(f"{work}/{name}.servo", "rb").read()[head:] for name in ("one", "both"))
+frames = [both[n:n + 176] for n in range(0, len(both), 176)]
+assert b"".join(f[:172] for f in frames[::2]) == b"".join(one[n:n + 172] for n in range(0, len(one), 176)), "the first hand feels another force"
+header, columns = read_recording.read(work + "/both.servo")
+assert header["second"]["tool"]["name"] == "suction" and header["second"]["device"] == "trajectory", header["second"]
+most = max(columns["second_force_n"])
+said = json.load(open(work + "/both.json"))["second"]
+assert most == said["most_force_n"] and most > 0.1 and max(columns["force_n"]) > 0.1, (most, said)
+text = read_recording.read(work + "/text.json")[1]
+rows = list(csv.DictReader(open(work + "/both.csv")))
+for name in ("second_tip_x_mm", "second_proxy_z_mm", "second_touched", "second_buttons"):
+    assert columns[name] == text[name] == [float(r[name]) for r in rows], name
+PY
+# A changed force of the second hand breaks the seal.
+cp "$work/both.servo" "$work/forged.servo"
+printf '\1' | dd of="$work/forged.servo" bs=1 seek=$((16 + 8192 + 176 * 1999 + 120)) conv=notrunc 2>/dev/null
+expect 80 'seal_sha256: is not of these bytes' "$TREPHINE" replay "$work/head" "$work/forged.servo"
+
+expect 64 'second-tool: burr: the second hand neither cuts nor draws; hold it with --tool' "${servo[@]}" "${second[@]:0:4}" --second-tool burr
+expect 64 '--second-tool: needs --second-device' "${servo[@]}" --second-tool suction
+expect 64 '--second-trajectory: is needed with --second-device trajectory' "${servo[@]}" --second-device trajectory
+expect 64 'second-device: hand: must be' "${servo[@]}" --second-device hand
+expect 64 'both are UDP port 20517, which one hand alone can hold' "$TREPHINE" servo "$work/head" --device udp --second-device udp
+expect 64 'both are the 3D mouse' "$TREPHINE" servo "$work/head" --device spacemouse --second-device spacemouse
+expect 64 'second-device-delay-ms: 2, and the device.s damping is not known: .*--second-device-own-damping' "${servo[@]}" "${second[@]}" --second-device-delay-ms 2
+printf '0 0 0 nan\n' >"$work/nan.txt"
+expect 65 'nan.txt' "${servo[@]}" --second-device trajectory --second-trajectory "$work/nan.txt"
+
+# Two clients by UDP, of which the second is unplugged: its fault is named, and the first hand feels and goes on to the end.
+"$TREPHINE" servo "$work/head" --no-realtime --max-step-s 3600 --seconds 4 --device udp --port 0 --timeout-ms 9000 --second-device udp \
+  --second-port 0 --second-max-step-s 3600 --second-timeout-ms 50 --second-resume-s 0.1 --json "$work/lost.json" --record "$work/lost.servo" >"$work/text" 2>"$work/stderr" &
+servo_pid=$!
+timeout 300 python3 - "$SOURCE" "$work" <<'PY' || fail "the two clients: $(cat "$work/text" "$work/stderr")"
+import re, sys, time
+source, work = sys.argv[1:]
+sys.path.insert(0, source + "/examples/udp_client")
+import udp_client
+ways = {n: [list(map(float, line.split())) for line in open(f"{work}/{n}.txt")] for n in ("first", "second")}
+ports, links, at = [], [], 0.0
+begin = time.monotonic()
+while time.monotonic() < begin + 200:
+    ports = re.findall(r"^waiting for a device on 127\.0\.0\.1:(\d+)$", open(work + "/text").read(), re.M)
+    while len(links) < len(ports):
+        links.append(udp_client.Link("127.0.0.1", int(ports[len(links)])))
+        links[-1].session += len(links)
+    served = len(links) == 2 and all(link.answers > 0 for link in links)
+    at = min(100, at + 0.1) if served else 0
+    for n, link in enumerate(links):
+        if n == 1 and at >= 60:
+            continue  # it is unplugged
+        p = ways[("first", "second")[n]][int(at)]
+        link.pose(p[1:4], udp_client.turn_to([-a for a in p[4:7]]))
+        while link.take() is not None:
+            pass
+    if at >= 100:
+        break
+    time.sleep(0.002)
+assert at >= 100, (at, ports)
+sent = time.monotonic() + 100
+while "ticks, " not in open(work + "/text").read() and time.monotonic() < sent:  # the first goes on to the end
+    links[0].pose(ways["first"][100][1:4], udp_client.turn_to([-a for a in ways["first"][100][4:7]]))
+    links[0].take()
+    time.sleep(0.002)
+PY
+code=0
+wait $servo_pid || code=$?
+[[ $code == 74 ]] && grep -q '^second device: device lost' <(sed 's/^[^:]*: //' "$work/stderr") || { cat "$work/text" "$work/stderr"; fail "exit code $code"; }
+grep -q '^second hand: fault after .*: device lost.*; the force stays zero$' "$work/text" || { cat "$work/text"; fail "the lost hand is not named"; }
+python3 - "$work/lost.json" <<'PY' || fail "a lost second device"
+import json, sys
+said = json.load(open(sys.argv[1]))
+assert said["faults"] & ~48 == 0 and said["most_force_n"] > 0.05 and said["touching_ratio"] > 0, said
+assert "device lost" in said["second"]["fault_names"] and said["second"]["device_counts"]["poses"] > 100, said["second"]
+PY
+"$TREPHINE" replay "$work/head" "$work/lost.servo" | grep -q '^replayed bit for bit$' || fail "the lost one does not replay"
+
+# A lesson in which suction presses on the brain: its row, and the same by a replay; one hand has no such row.
+"$OFFLINE" rubric "$SOURCE/configs/rubrics/ventriculostomy.yaml" --output "$work/rubric.json" >/dev/null
+cat >"$work/script.json" <<'JSON'
+{"module": "ventriculostomy", "steps": [{"take": {"tool": "catheter"}},
+  {"insert": {"toward": {"at": "monro_right"}, "short_of_mm": 1}}, "finish"]}
+JSON
+lesson=("$TREPHINE" lesson "$work/head" --script "$work/script.json" --participant r-01)
+"${lesson[@]}" --record "$work/one.lesson" --second-trajectory "$work/swept.txt" >/dev/null
+"$TREPHINE" replay "$work/head" "$work/one.lesson" | grep -q '^replayed bit for bit$' || fail "the lesson does not replay"
+"$TREPHINE" score "$work/one.lesson" --case "$work/head" --rubric "$work/rubric.json" --json "$work/one.json" --page "$work/one.html" --language de >"$work/text"
+"${lesson[@]}" --record "$work/alone.lesson" >/dev/null
+"$TREPHINE" score "$work/alone.lesson" --case "$work/head" --rubric "$work/rubric.json" --json "$work/alone.json" >/dev/null
+python3 - "$work" <<'PY' || fail "the other hand's row: $(cat "$work/text")"
+import json, sys
+one, alone = (json.load(open(f"{sys.argv[1]}/{n}.json")) for n in ("one", "alone"))
+rows = {r["name"]: r for r in one["rows"]}
+row = rows["second_hand"]
+assert row["score"] == 3 and 0.5 < row["measured"]["second_force_n"] <= 1, row
+assert one["facts"]["second_hand"]["tool"] == "suction" and one["facts"]["second_hand"]["suctions"] >= 1, one["facts"]["second_hand"]
+assert "second_hand" not in {r["name"] for r in alone["rows"]} and "second_hand" not in alone["facts"]
+for r in alone["rows"]:
+    assert rows[r["name"]]["score"] == r["score"], r  # nothing else is judged otherwise
+assert "Die andere Hand" in open(sys.argv[1] + "/one.html").read()
+PY
+# Who presses less in the recording than the hand did, and seals it anew, is found by the replay.
+python3 - "$work" <<'PY'
+import hashlib, json, re, sys
+data = bytearray(open(sys.argv[1] + "/one.lesson", "rb").read())
+head = 16 + 8192
+at = next(n for n in range(head + 176, len(data), 352) if any(data[n + 120:n + 144]))  # the second hand's first force
+data[at + 120:at + 144] = bytes(24)
+seal = re.search(rb'"seal_sha256": *"([0-9a-f]{64})"', data[:head])
+data[seal.start(1):seal.end(1)] = b"0" * 64
+data[seal.start(1):seal.end(1)] = hashlib.sha256(bytes(data[head:]) + bytes(data[:head])).hexdigest().encode()
+open(sys.argv[1] + "/forged.lesson", "wb").write(data)
+PY
+expect 80 'does not replay bit for bit' "$TREPHINE" score "$work/forged.lesson" --case "$work/head" --rubric "$work/rubric.json"
+expect 80 '1 of [0-9]+ differ when replayed' "$TREPHINE" replay "$work/head" "$work/forged.lesson"
+# X-rays by the other hand's switch, as the pedal takes them.
+"$WRITE_CASE" "$work/spine" spine
+"$OFFLINE" rubric "$SOURCE/configs/rubrics/spine_needle.yaml" --output "$work/spine.json" >/dev/null
+printf '0 0 0 900 0 0 1 0\n0.2 0 0 900 0 0 1 1\n0.5 0 0 900 0 0 1 0\n0.7 0 0 900 0 0 1 1\n0.8 0 0 900 0 0 1 0\n' >"$work/switch.txt"
+echo '{"module": "spine_needle", "steps": [{"wait": {"seconds": 1.5}}, "finish"]}' >"$work/wait.json"
+spine=("$TREPHINE" lesson "$work/spine" --script "$work/wait.json" --second-trajectory "$work/switch.txt" --record "$work/xray.lesson")
+"${spine[@]}" >/dev/null
+"$TREPHINE" score "$work/xray.lesson" --case "$work/spine" --rubric "$work/spine.json" --json "$work/xray.json" >/dev/null
+python3 - "$work/xray.json" <<'PY' || fail "X-rays by the other hand"
+import json, sys
+shots = json.load(open(sys.argv[1]))["facts"]["shots"]
+assert len(shots) == 2 and abs(sum(s["end_s"] - s["begin_s"] for s in shots) - 0.4) < 0.01, shots
+PY
+expect 64 'second-tool: the lesson spine_needle has no use for suction in the other hand' "${spine[@]}" --second-tool suction
+echo '{"module": "subclavian", "steps": ["finish"]}' >"$work/wait.json"
+expect 64 'second-device: the lesson subclavian has no use for a second hand' "${spine[@]}"
