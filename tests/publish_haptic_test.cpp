@@ -283,10 +283,18 @@ TEST(BurrHoles, AreTheScenesAndTheCases) {
 
 TEST(HapticGraph, HoldsWhatIsFeltAndNoMore) {
   const pipeline::Graph g = pipeline::make_graph(read(beginning, live), "input");
-  for (const char* needed : {"skin.decimate", "skull.contour", "brain.contour", "haptic.voxelize", "haptic.mismatch"})
+  for (const char* needed : {"skin.decimate", "brain.contour", "haptic.voxelize", "haptic.mismatch"})
     EXPECT_GE(g.find(needed), 0) << needed;
-  // The skull is displayed from the volume: nothing decimates it.
-  EXPECT_LT(g.find("skull.decimate"), 0);
+  // The skull is displayed from the volume, and felt by its field: it needs no triangle.
+  EXPECT_LT(g.find("skull.contour"), 0);
+  EXPECT_EQ(g.nodes[g.find("haptic.voxelize")].sources.at("shape.skull"), g.find("skull.segment"));
+  EXPECT_EQ(g.nodes[g.find("haptic.voxelize")].sources.at("shape.skin"), g.find("skin.contour"));
+  // A contour that is told to leave something of the field is not the field's solid.
+  config::ConfigOverrides overrides;
+  overrides.set = {"skull.contour.keep_cavities=true"};
+  const Files files(beginning, live);
+  const pipeline::Graph own = pipeline::make_graph(config::read_case_config(files.config, overrides), "input");
+  EXPECT_EQ(own.nodes[own.find("haptic.voxelize")].sources.at("shape.skull"), own.find("skull.contour"));
   EXPECT_EQ(g.nodes[g.find("haptic.mismatch")].sources.count("surface.skin"), 1u);
   EXPECT_EQ(g.nodes[g.find("haptic.mismatch")].sources.count("surface.skull"), 0u);
 }

@@ -108,7 +108,7 @@ const cli::OwnCommand register_command([] {
     if (parsed.has("transform") && !itk::is_transform_file(parsed.path("transform")))
       throw Error(ExitCode::usage, parsed.text("transform"), "transform", "must end in .tfm or .h5");
     run_with_report(parsed, [&](const Progress& progress) {
-      const stages::StageInputs inputs = stage_inputs(stage, parsed, progress.part(0, 0.1));
+      const stages::StageInputs inputs = stage_inputs(stage, parsed);
       const auto picture = [&](const itk::LinearMap& map) {
         if (!parsed.has("picture")) return;
         const grid::HuVolume &ct = *inputs.get<grid::HuVolume>("volume"),

@@ -11,7 +11,6 @@
 #include "cli/progress_display.h"
 #include "grid/bounded_read.h"
 #include "head/landmarks.h"
-#include "meshing/contour.h"
 #include "named_values.h"
 #include "stages/data_files.h"
 
@@ -64,20 +63,17 @@ cli::Argument argument_of(const stages::Port& port, bool positional) {
   return a;
 }
 
-// A surface, or the contour of a field.
-stages::StageData load_surface(const std::filesystem::path& file, const Progress& progress) {
+stages::StageData load_surface_or_field(const std::filesystem::path& file) {
   if (file.extension() != ".nrrd") return stages::load_data(file, stages::DataKind::mesh);
   grid::BoundedGrid nrrd = with_file(file.string(), [&] { return grid::read_nrrd_bounded(file, grid::labels_limit); });
   if (holds_hu(nrrd.keys))
     throw Error(ExitCode::bad_input, file.string(), "content", "HU, must be a field: segment it first");
-  const grid::Field field = grid::to_field(std::move(nrrd.grid));
-  return std::make_shared<const surface::TriMesh>(
-      with_file(file.string(), [&] { return meshing::contour(field, meshing::ContourParams{}, progress).value; }));
+  return std::make_shared<const grid::Field>(grid::to_field(std::move(nrrd.grid)));
 }
 
-stages::StageData load_port(const stages::Port& port, const std::filesystem::path& file, const Progress& progress) {
+stages::StageData load_port(const stages::Port& port, const std::filesystem::path& file) {
   if (port.or_volume) return stages::load_field_or_volume(file);
-  if (port.or_field) return load_surface(file, progress);
+  if (port.or_field) return load_surface_or_field(file);
   return stages::load_data(file, port.kind);
 }
 
@@ -122,8 +118,7 @@ void check_output(const stages::StageType& stage, const cli::ParsedCommand& pars
 
 }  // namespace
 
-stages::StageInputs stage_inputs(const stages::StageType& stage, const cli::ParsedCommand& parsed,
-                                 const Progress& progress) {
+stages::StageInputs stage_inputs(const stages::StageType& stage, const cli::ParsedCommand& parsed) {
   stages::StageInputs inputs;
   bool took_landmarks = false;  // --landmark is of the first such port; another one holds what nobody gave
   for (const stages::Port& port : stage.ports) {
@@ -139,10 +134,10 @@ stages::StageInputs stage_inputs(const stages::StageType& stage, const cli::Pars
             named ? named_value("--" + flag, given[i]) : std::make_pair(std::to_string(1000 + i), given[i]);
         if (inputs.by_port.count(flag + "." + name))
           throw Error(ExitCode::usage, "", "--" + flag, name + ", is given twice");
-        inputs.by_port[flag + "." + name] = load_port(port, file, progress);
+        inputs.by_port[flag + "." + name] = load_port(port, file);
       }
     } else if (parsed.has(flag)) {
-      inputs.by_port[port.name] = load_port(port, parsed.path(flag), progress);
+      inputs.by_port[port.name] = load_port(port, parsed.path(flag));
     }
   }
   return inputs;
@@ -179,9 +174,9 @@ cli::Command make_stage_command(const stages::StageType& stage) {
   c.run = [stage](const cli::ParsedCommand& parsed) {
     check_output(stage, parsed);
     run_with_report(parsed, [&](const Progress& progress) {
-      const stages::StageInputs inputs = stage_inputs(stage, parsed, progress.part(0, 0.1));
-      const stages::StageOutcome made = naming_landmarks_file(
-          stage, parsed, [&] { return stage.run(parsed.groups[0], inputs, progress.part(0.1, 1)); });
+      const stages::StageInputs inputs = stage_inputs(stage, parsed);
+      const stages::StageOutcome made =
+          naming_landmarks_file(stage, parsed, [&] { return stage.run(parsed.groups[0], inputs, progress); });
       if (stage.output != stages::DataKind::nothing) stages::save_data(parsed.path("output"), made.data);
       return made.report();
     });

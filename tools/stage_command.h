@@ -16,8 +16,7 @@ namespace trephine::tools {
 cli::Command make_stage_command(const stages::StageType& stage);
 
 /// The stage's inputs, read from the files that the command line names.
-stages::StageInputs stage_inputs(const stages::StageType& stage, const cli::ParsedCommand& parsed,
-                                 const Progress& progress = {});
+stages::StageInputs stage_inputs(const stages::StageType& stage, const cli::ParsedCommand& parsed);
 
 /// Runs `work` under the progress display, then prints the report, with its warnings on stderr. For commands with a
 /// --report argument.

@@ -76,8 +76,8 @@ const cli::OwnCommand voxelize_command([] {
     check_flags(parsed);
     const AnyParams params = shapes_of(parsed);
     run_with_report(parsed, [&](const Progress& progress) {
-      const stages::StageInputs inputs = stage_inputs(stage, parsed, progress.part(0, 0.2));
-      const stages::StageOutcome made = stage.run(params, inputs, progress.part(0.2, 1));
+      const stages::StageInputs inputs = stage_inputs(stage, parsed);
+      const stages::StageOutcome made = stage.run(params, inputs, progress);
       const voxel::HapticVolume& volume = *std::get<std::shared_ptr<const voxel::HapticVolume>>(made.data);
       if (parsed.has("hardness")) write_file(parsed.path("hardness"), voxel::encode_hardness(volume));
       voxel::write_haptic(parsed.path("output"), volume);

@@ -79,7 +79,7 @@ mask::BitMask noise_pits(const mask::BitMask& cut, const mask::BitMask& shape, c
   // 4 pi sigma^2 of the plane, and about a millimetre across it.
   const double mean_mm = std::clamp(noise / mean_noise_hu / std::sqrt(4 * pi * across_mm), min_mean_mm, max_mean_mm),
                mean_noise = noise / std::sqrt(4 * pi * across_mm) / mean_mm;
-  const grid::Grid<float> mean = mask::averaged_along_sheets(hu, known, mean_mm, progress),
+  const grid::Grid<float> mean = mask::averaged_along_sheets(hu, known, mean_mm, progress, &deep),
                           local = local_noise(hu, known, shape, progress);
   mask::BitMask shown = mask::make_mask(hu, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < hu.size[0]; ++i)

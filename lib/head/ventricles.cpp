@@ -148,7 +148,7 @@ Outcome<grid::Field, VentriclesResult> ventricles_in(const mask::HuView& hu, con
   SoftTissue denoised = soft_tissue(raw, known, strength_ratio, 1000, progress);
   result.tissue_noise_hu_mm1_5 = denoised.noise_hu_mm1_5;
   grid::Field soft = std::move(denoised.image);
-  const double noise = tissue_noise(raw, known, progress);
+  const double noise = denoised.noise_hu_mm1_5;
   check_noise(noise, raw, p.smoothing_sigma_mm);
   progress.report(0.4);
   const double lower = p.lower_hu;

@@ -116,7 +116,7 @@ grid::Grid<std::uint8_t> planes_of(const Tensor& t, const std::vector<Vec3>& nor
 }  // namespace
 
 grid::Grid<float> averaged_along_sheets(const grid::Grid<float>& hu, const BitMask& known, double sigma_mm,
-                                        const Progress& progress) {
+                                        const Progress& progress, const BitMask* where) {
   const grid::Lattice& l = hu;
   const std::vector<Vec3> normals = directions();
   std::vector<std::vector<Tap>> discs;
@@ -132,7 +132,7 @@ grid::Grid<float> averaged_along_sheets(const grid::Grid<float>& hu, const BitMa
     for (int k = int(from); k < to; ++k)
       for (int j = 0; j < l.size[1]; ++j)
         for (int i = 0; i < l.size[0]; ++i) {
-          if (!known.get(i, j, k)) continue;
+          if (!known.get(i, j, k) || (where && !where->get(i, j, k))) continue;
           const auto& taps = discs[plane.at(i / blocks.factor[0], j / blocks.factor[1], k / blocks.factor[2])];
           float sum = 0, weight = 0;
           for (const Tap& t : taps) {

@@ -11,8 +11,9 @@ namespace trephine::mask {
 /// noise falls as if it were averaged over 4 pi sigma^2. The plane is perpendicular to the principal direction of the
 /// structure tensor [Weickert1998], which is made of gradients at a sigma of a millimetre or two thirds of sigma_mm,
 /// whichever is larger, and averaged over twice that;
-/// where there is no direction, any plane is taken. Voxels that are not known keep their value.
+/// where there is no direction, any plane is taken. Voxels that are not known keep their value, and so do those that
+/// are not in `where`, if it is given.
 grid::Grid<float> averaged_along_sheets(const grid::Grid<float>& hu, const BitMask& known, double sigma_mm,
-                                        const Progress& progress = {});
+                                        const Progress& progress = {}, const BitMask* where = nullptr);
 
 }  // namespace trephine::mask

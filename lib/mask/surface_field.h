@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <optional>
+
 #include "base/progress.h"
 #include "grid/grid.h"
 #include "mask/bits.h"
@@ -26,5 +28,10 @@ std::size_t place_surface(grid::Field& edge, const BitMask& shape, double cut_si
 /// mask loses the voxels that become negative.
 void apply_half_maximum(grid::Field& hu, BitMask& shape, double lower_hu, double reach_mm, double brightest_hu,
                         const Progress& progress = {});
+
+/// The field as its contour closes it: without enclosed cavities and what lies in them, and without pieces below
+/// min_component_mm3 beside the largest one. Nothing where it has neither.
+std::optional<grid::Field> closed_solid(const grid::Field& field, double min_component_mm3,
+                                        const Progress& progress = {});
 
 }  // namespace trephine::mask

@@ -45,7 +45,8 @@ Graph GraphBuilder::build() {
   if (config_.ct) want(graph_.scan, "CT that is published");
   for (const config::SceneAnatomy& wanted : config_.scene) add_anatomy(*config_.find_anatomy(wanted.name));
   for (const config::SceneShape& shape : config_.haptic.shapes)
-    if (config_.haptic.encoding() == voxel::HapticEncoding::occupancy) first_surface_of(shape.name);
+    if (config_.haptic.encoding() == voxel::HapticEncoding::occupancy)
+      first_surface_of(*config_.find_anatomy(shape.name), true);
   add_checks_of_scan(false);
   if (config_.needs_landmarks()) landmarks();
   for (const config::CaseDrill& hole : config_.burr_holes) {

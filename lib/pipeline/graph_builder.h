@@ -51,8 +51,7 @@ class GraphBuilder {
   int scan_named(const std::string& name, const std::string& reader);
   int step_node(const config::RecipeAnatomy& anatomy, std::size_t index, bool original = false);
   int node_named(const std::string& path, bool original = false);
-  int first_surface_of(const config::RecipeAnatomy& recipe);
-  int first_surface_of(const std::string& name) { return first_surface_of(*config_.find_anatomy(name)); }
+  int first_surface_of(const config::RecipeAnatomy& recipe, bool as_field = false);
   bool is_made(const std::string& source) const;
   int given_landmarks();
   int landmarks_node(const std::string& name, bool required_only, bool without_given);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "meshing/contour.h"
 #include "pipeline/graph_builder.h"
 #include "pipeline/graph_nodes.h"
 #include "stages/points.h"
@@ -42,7 +43,11 @@ std::vector<std::pair<std::string, int>> GraphBuilder::sources_of(const Port& po
   std::vector<std::pair<std::string, int>> all;
   if (port.from == From::anatomies) {
     for (const std::string& name : port.anatomies(node.params))
-      if (!name.empty()) all.emplace_back(name, first_surface_of(name));
+      if (!name.empty()) {
+        const config::RecipeAnatomy& recipe = *config_.find_anatomy(name);
+        const bool as_field = port.field_does && port.field_does(node.params, name);
+        all.emplace_back(name, first_surface_of(recipe, as_field));
+      }
   } else if (port.from == From::surfaces || port.from == From::felt_surfaces) {
     for (const Graph::Anatomy& a : graph_.anatomies)
       if (port.from == From::surfaces || config_.is_felt(a.name)) all.emplace_back(a.name, a.surface);
@@ -83,7 +88,7 @@ int GraphBuilder::source_of(const Port& port, const Node& node, const GraphPlace
       return found_landmarks();
     case From::role: {
       const std::string anatomy = config_.in_role(port.role);
-      return anatomy.empty() ? -1 : first_surface_of(anatomy);
+      return anatomy.empty() ? -1 : first_surface_of(*config_.find_anatomy(anatomy));
     }
     case From::first_surface:
       return place.of->first_surface;
@@ -155,9 +160,19 @@ int GraphBuilder::node_named(const std::string& path, bool original) {
   return -1;  // unreachable: read_case_config checked it
 }
 
-int GraphBuilder::first_surface_of(const config::RecipeAnatomy& recipe) {
-  for (std::size_t i = 0; i < recipe.steps.size(); ++i)
-    if (recipe.steps[i].type->output == DataKind::mesh) return step_node(recipe, i);
+// `as_field`: the field before it, where the surface is nothing but its contour and the scene draws no surface of it.
+int GraphBuilder::first_surface_of(const config::RecipeAnatomy& recipe, bool as_field) {
+  for (const Graph::Anatomy& a : graph_.anatomies) as_field = as_field && a.name != recipe.name;
+  for (std::size_t i = 0; i < recipe.steps.size(); ++i) {
+    const config::RecipeStep& step = recipe.steps[i];
+    if (step.type->output != DataKind::mesh) continue;
+    if (as_field && i > 0 && step.params.set == &parameters_of<meshing::ContourParams>()) {
+      auto params = step.params.as<meshing::ContourParams>();
+      params.within_mm = 0;
+      if (to_text(AnyParams::make(params)) == to_text(step.type->make_params())) return step_node(recipe, i - 1);
+    }
+    return step_node(recipe, i);
+  }
   return -1;  // unreachable: a recipe ends in a surface
 }
 

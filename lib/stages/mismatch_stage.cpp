@@ -10,7 +10,7 @@ namespace trephine::stages {
 StageType mismatch_stage() {
   StageType s;
   s.name = "mismatch";
-  s.version = 4;
+  s.version = 5;
   s.typical.base_s = 0.1;
   s.typical.per_input_s = 0.09;
   s.place = StagePlace::scene;

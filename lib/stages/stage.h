@@ -104,7 +104,9 @@ struct Port {
   bool required = true;
   std::string help;
   bool or_volume = false;  ///< takes a field or a CT volume
-  bool or_field = false;   ///< as a file takes a surface, or a field, which is contoured
+  bool or_field = false;   ///< takes a surface, or the field whose contour it is
+  /// Of From::anatomies: whether a field does for the anatomy, with these parameters.
+  std::function<bool(const AnyParams&, const std::string& anatomy)> field_does;
   From from = From::recipe;
   std::string role;  ///< of From::role: "burr_holes.bone"; of others: open unless the anatomy of that role is shown
   std::function<std::vector<std::string>(const AnyParams&)> anatomies;  ///< of From::anatomies
@@ -124,7 +126,9 @@ class PortDeclaration {
   PortDeclaration(std::string name, DataKind kind);
   PortDeclaration& optional() { return port_.required = false, *this; }
   PortDeclaration& or_volume() { return port_.or_volume = true, *this; }
-  PortDeclaration& or_field() { return port_.or_field = true, *this; }
+  PortDeclaration& or_field(std::function<bool(const AnyParams&, const std::string&)> does) {
+    return port_.field_does = std::move(does), port_.or_field = true, *this;
+  }
   PortDeclaration& help(std::string text) { return port_.help = std::move(text), *this; }
   PortDeclaration& from(From from) { return port_.from = from, *this; }
   PortDeclaration& of_role(std::string role) { return port_.role = std::move(role), from(From::role); }

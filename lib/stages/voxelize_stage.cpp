@@ -3,10 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <list>
 #include <tuple>
 
 #include "base/error.h"
 #include "base/refusal.h"
+#include "mask/bits.h"
+#include "mask/surface_field.h"
+#include "meshing/contour.h"
 #include "stages/cutters_of.h"
 #include "surface/bounds.h"
 #include "voxel/cut.h"
@@ -32,18 +36,31 @@ void intersect(surface::Bounds& b, const surface::Bounds& with) {
   }
 }
 
+// The surfaces of shapes that came as fields and need triangles, and the fields as their surfaces close them.
+struct MadeOfFields {
+  std::list<surface::TriMesh> surfaces;
+  std::list<grid::Field> solids;
+};
+
+surface::Bounds bounds_of_shape(const grid::Field& field) {
+  const grid::Box inside = mask::positive(field, field).bounds();
+  return surface::bounds_of(grid::cropped(field, grid::grown(inside, 1, field)), 0.5);
+}
+
 // The box that the scene asks for, but no larger than the shapes with their rim.
 grid::Lattice lattice_of_region(const VoxelizeStageParams& params, const StageInputs& in) {
   const grid::Lattice& scan = grid::lattice_of(*in.get<grid::HuVolume>("volume"));
   surface::Bounds all;
-  for (const auto& [name, mesh] : in.all<surface::TriMesh>("shape")) surface::include(all, surface::bounds_of(*mesh));
+  for (const auto& [name, mesh] : in.all<surface::TriMesh>("shape"))
+    surface::include(all, mesh ? surface::bounds_of(*mesh) : bounds_of_shape(*in.get<grid::Field>("shape." + name)));
   if (params.encoding == voxel::HapticEncoding::hu) all = surface::bounds_of(scan, 0.5);
   surface::Bounds region = all;
   if (!params.region_of.empty()) {
     const surface::TriMesh* of = in.get<surface::TriMesh>("shape." + params.region_of);
+    const grid::Field* field = in.get<grid::Field>("shape." + params.region_of);
     if (!of) of = in.get<surface::TriMesh>("region");
-    if (!of) throw Error(ExitCode::bad_config, "", "region_of", params.region_of + ", has no surface");
-    region = surface::bounds_of(*of);
+    if (!of && !field) throw Error(ExitCode::bad_config, "", "region_of", params.region_of + ", has no surface");
+    region = of ? surface::bounds_of(*of) : bounds_of_shape(*field);
   }
   region = grown(region, params.margin_mm);
   const auto& [low, high] = std::tie(params.region_min_mm, params.region_max_mm);
@@ -59,6 +76,21 @@ grid::Lattice lattice_of_region(const VoxelizeStageParams& params, const StageIn
 
 using MadeVolume = Outcome<voxel::HapticVolume, voxel::VoxelizeResult>;
 
+const surface::TriMesh* surface_of(const std::string& name, const StageInputs& in, MadeOfFields& made,
+                                   const Progress& progress) {
+  const surface::TriMesh* mesh = in.get<surface::TriMesh>("shape." + name);
+  if (!mesh) mesh = in.get<surface::TriMesh>("clear." + name);
+  const grid::Field* field = in.get<grid::Field>("shape." + name);
+  if (mesh || !field) return mesh;
+  return &made.surfaces.emplace_back(meshing::contour(*field, meshing::ContourParams(), progress.silent()).value);
+}
+
+const grid::Field* solid_of(const grid::Field* field, MadeOfFields& made, const Progress& progress) {
+  if (!field) return nullptr;
+  auto closed = mask::closed_solid(*field, meshing::ContourParams().min_component_mm3, progress.silent());
+  return closed ? &made.solids.emplace_back(std::move(*closed)) : field;
+}
+
 MadeVolume make_volume(const VoxelizeStageParams& params, const grid::Lattice& lattice, const StageInputs& in,
                        const Progress& progress) {
   if (params.encoding == voxel::HapticEncoding::hu) {
@@ -68,15 +100,16 @@ MadeVolume make_volume(const VoxelizeStageParams& params, const grid::Lattice& l
     return voxel::voxelize_hu(*in.get<grid::HuVolume>("volume"), lattice, windows, progress);
   }
   std::vector<voxel::VoxelizeShape> shapes;
+  MadeOfFields made;
   for (const auto& [name, s] : params.shapes) {
     voxel::VoxelizeShape shape;
     shape.name = name;
-    shape.surface = in.get<surface::TriMesh>("shape." + name);
-    if (!shape.surface) throw Error(ExitCode::usage, "", "shape", name + ", has no surface");
     shape.shell_mm = s.shell_mm;
+    shape.surface = s.shell_mm > 0 ? surface_of(name, in, made, progress) : in.get<surface::TriMesh>("shape." + name);
+    if (!shape.surface) shape.field = solid_of(in.get<grid::Field>("shape." + name), made, progress);
+    if (!shape.surface && !shape.field) throw Error(ExitCode::usage, "", "shape", name + ", has no surface");
     if (!s.clear_of.empty()) {
-      shape.clear_of = in.get<surface::TriMesh>("shape." + s.clear_of);
-      if (!shape.clear_of) shape.clear_of = in.get<surface::TriMesh>("clear." + s.clear_of);
+      shape.clear_of = surface_of(s.clear_of, in, made, progress);
       shape.clear_mm = s.clear_mm;
     }
     shapes.push_back(shape);
@@ -129,6 +162,12 @@ std::vector<std::string> surfaces_of_shapes(const AnyParams& any) {
   return names;
 }
 
+bool is_solid(const AnyParams& any, const std::string& name) {
+  const auto& params = any.as<VoxelizeStageParams>();
+  const HapticShapeParams* shape = find_item(params.shapes, name);
+  return shape && !(shape->shell_mm > 0);
+}
+
 std::vector<std::string> kept_clear_of(const AnyParams& any) {
   std::vector<std::string> names;
   for (const auto& shape : any.as<VoxelizeStageParams>().shapes) names.push_back(shape.second.clear_of);
@@ -152,7 +191,7 @@ std::string HapticShapeParams::fault() const {
 StageType voxelize_stage() {
   StageType s;
   s.name = "voxelize";
-  s.version = 3;
+  s.version = 4;
   s.typical.base_s = 0.2;
   s.typical.per_million_triangles_s = 0.6;
   s.typical.per_input_s = 0.5;
@@ -162,7 +201,7 @@ StageType voxelize_stage() {
   s.description =
       "Each voxel says which shape fills it and how much of it, so that one lookup serves any number of shapes and the "
       "surface is felt to a fraction of a voxel. The volume is made of the same surfaces as the displayed ones, before "
-      "decimation, and cut by the same cutters.";
+      "decimation, or of the fields of what is not displayed otherwise, and cut by the same cutters.";
   s.examples = {
       "trephine voxelize volume.nrrd --shape brain=brain.nrrd --shape skull=skull.nrrd --shape skin=skin.nrrd "
       "--shapes skin:clear_of=brain,clear_mm=5 --output haptic.nrrd",
@@ -173,8 +212,8 @@ StageType voxelize_stage() {
       port("shape.*", DataKind::mesh)
           .of(surfaces_of_shapes)
           .optional()
-          .or_field()
-          .help("surfaces of the shapes, or fields, which are contoured"),
+          .or_field(is_solid)
+          .help("surfaces of the shapes, or fields, which take less time"),
       port("clear.*", DataKind::mesh)
           .of(kept_clear_of)
           .optional()

@@ -173,10 +173,16 @@ void cut_hu_windows(const Cut& c, const Progress& progress) {
 
 }  // namespace
 
-double shape_volume_mm3(const HapticVolume& volume, int number) {
-  if (number < 1 || number > haptic_max_shapes) return 0;
+std::array<double, haptic_max_shapes + 1> detail::shape_volumes_mm3(const HapticVolume& volume) {
   const Sums filled = filled_by_shape(volume, volume.voxels);
-  return double(filled[std::size_t(number)]) / volume_unit * volume.voxels.voxel_volume_mm3();
+  std::array<double, haptic_max_shapes + 1> mm3{};
+  for (std::size_t n = 1; n < mm3.size(); ++n)
+    mm3[n] = double(filled[n]) / volume_unit * volume.voxels.voxel_volume_mm3();
+  return mm3;
+}
+
+double shape_volume_mm3(const HapticVolume& volume, int number) {
+  return number < 1 || number > haptic_max_shapes ? 0 : detail::shape_volumes_mm3(volume)[std::size_t(number)];
 }
 
 Outcome<std::monostate, CutVolumeResult> cut_volume(HapticVolume& volume, const surface::DistanceFunction& solid,

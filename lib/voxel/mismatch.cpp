@@ -33,7 +33,7 @@ struct FeltShape {
 
 // Whether the occupancy falls through 1/2 on the way from `from` to `to` (offsets along the normal, from < to); where.
 double fall_between(const FeltShape& shape, const SurfaceSample& s, double from, double to) {
-  constexpr int halvings = 14;  // of a quarter of a voxel: to 1e-5 of one
+  constexpr int halvings = 9;  // of a quarter of a voxel: to 5e-4 of one
   for (int n = 0; n < halvings; ++n) {
     const double middle = (from + to) / 2;
     (shape.holds(s.point_mm + s.normal * middle) ? from : to) = middle;

@@ -14,7 +14,7 @@ namespace trephine::voxel {
 enum class FeltSurface { sub_voxel, nearest };
 
 struct MismatchParams {
-  int sample_count = 50000;
+  int sample_count = 20000;
   double reach_mm = 3;
   FeltSurface felt = FeltSurface::sub_voxel;
   template <class V>

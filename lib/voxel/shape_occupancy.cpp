@@ -16,7 +16,6 @@ namespace {
 
 constexpr std::int64_t rows_a_piece = 16;
 constexpr int slices_a_slab = 8;
-constexpr int cell_voxels = 2;
 
 void check_size(const surface::TriMesh& mesh) {
   if (mesh.triangles.empty()) throw Error(ExitCode::bad_input, "", "surface", "has no triangles");
@@ -157,71 +156,78 @@ class Slab {
   Vec3 origin_, step_[3];  ///< in the mesh's own coordinates
 };
 
-// Cells of cell_voxels^3 voxels; 1 where one of the cell's voxels may lie within reach_mm of the surface.
-grid::Mask cells_near(const surface::TriMesh& mesh, const grid::Lattice& lattice, double reach_mm) {
-  grid::Lattice cells;
-  for (std::size_t a = 0; a < 3; ++a) cells.size[a] = (lattice.size[a] + cell_voxels - 1) / cell_voxels;
-  grid::Mask near(cells, 0);
-  // The cells that a triangle's box grown by the reach touches: first its own, with a margin of the cells around ...
-  int margin[3];
-  for (int a = 0; a < 3; ++a) {
-    const double in_cells = reach_mm / (cell_voxels * lattice.spacing_mm[a]);
-    margin[a] = int(std::min(std::floor(in_cells) + 1, double(cells.size[std::size_t(a)])));
+// The signed distance to a surface, positive outside, at every second voxel; it is linear between them.
+class Distances {
+ public:
+  // For the voxels whose `wanted` is not 0. Beyond low_mm and high_mm it is only known to be beyond.
+  Distances(const surface::TriMesh& mesh, const grid::Grid<std::uint8_t>& wanted, double low_mm, double high_mm,
+            const Progress& progress) {
+    grid::Lattice l = wanted;
+    l.spacing_mm = l.spacing_mm * 2;
+    for (int& n : l.size) n = n / 2 + 1;
+    mm_ = grid::Grid<float>(l);
+    ramp_mm_.assign(l.count(), 0);
+    const grid::Mask inside = surface::voxelize_inside(mesh, l, progress.silent());
+    grid::Mask asked(l, 0);
+    for (int k = 0; k < wanted.size[2]; ++k)
+      for (int j = 0; j < wanted.size[1]; ++j)
+        for (int i = 0; i < wanted.size[0]; ++i)
+          if (wanted.at(i, j, k))
+            for (int n = 0; n < 8; ++n) asked.at((i + (n & 1)) / 2, (j + (n >> 1 & 1)) / 2, (k + (n >> 2)) / 2) = 1;
+    const surface::Bvh tree(mesh, progress);
+    // A place so far beyond has a part in no voxel that is not: none is farther from it than a voxel's diagonal.
+    const double spare_mm = largest_ramp_mm(wanted), low = low_mm - spare_mm, high = high_mm + spare_mm;
+    const std::int64_t rows = std::int64_t(l.size[1]) * l.size[2];
+    parallel_for(0, rows, rows_a_piece, [&](std::int64_t from, std::int64_t to) {
+      progress.check();
+      std::uint32_t seed = 0;
+      for (std::int64_t row = from; row < to; ++row) {
+        const int j = int(row % l.size[1]), k = int(row / l.size[1]);
+        int known_to = 0;
+        float value = 0, ramp = 0;
+        for (int i = 0; i < l.size[0]; ++i) {
+          if (!asked.at(i, j, k)) continue;
+          if (i >= known_to) {
+            const Vec3 local = l.to_world_mm({double(i), double(j), double(k)}) - mesh.origin_mm;
+            const bool in = inside.at(i, j, k);
+            const surface::ClosestPoint c = tree.nearest(local, seed, std::max(0.0, in ? -high : low), seed);
+            const double away = std::sqrt(c.squared_mm2), d = in ? -away : away;
+            value = float(std::clamp(d, low, high));
+            ramp = float(ramp_mm(wanted, direction_from(mesh, seed, local - c.point)));
+            // A distance changes by a step at most from place to place.
+            known_to = i + 1 + int(std::clamp(std::max(low - d, d - high) / l.spacing_mm.x, 0.0, 1e6));
+          }
+          ramp_mm_[mm_.index(i, j, k)] = ramp;
+          mm_.at(i, j, k) = value;
+        }
+      }
+    });
   }
-  std::vector<Vec3> points(mesh.points_mm.size());
-  for (std::size_t p = 0; p < points.size(); ++p) points[p] = lattice.to_index(mesh.world_mm(p)) / double(cell_voxels);
-  for (const auto& v : mesh.triangles) {
-    int begin[3], end[3];
-    bool beyond = false;
-    for (int a = 0; a < 3; ++a) {
-      const double low = std::min({points[v[0]][a], points[v[1]][a], points[v[2]][a]});
-      const double high = std::max({points[v[0]][a], points[v[1]][a], points[v[2]][a]});
-      const int size = cells.size[std::size_t(a)];
-      // A triangle beyond the lattice stands for the cell at its border only as far as it is near.
-      beyond = beyond || high < -margin[a] - 1 || low > size + margin[a] + 1;
-      begin[a] = std::min(whole(std::floor(low), size), size - 1);
-      end[a] = std::max(begin[a] + 1, whole(std::floor(high) + 1, size));
-    }
-    if (beyond) continue;
-    for (int k = begin[2]; k < end[2]; ++k)
-      for (int j = begin[1]; j < end[1]; ++j)
-        for (int i = begin[0]; i < end[0]; ++i) near.at(i, j, k) = 1;
-  }
-  // ... then that margin, axis by axis.
-  for (int a = 0; a < 3; ++a) {
-    const grid::Mask before = near;
-    const std::ptrdiff_t stride = a == 0 ? 1 : a == 1 ? cells.size[0] : std::ptrdiff_t(cells.size[0]) * cells.size[1];
-    const int size = cells.size[std::size_t(a)];
-    for (std::size_t at = 0; at < before.voxels.size(); ++at) {
-      if (!before.voxels[at]) continue;
-      const int here = int(std::ptrdiff_t(at) / stride % size);
-      for (int c = std::max(0, here - margin[a]); c <= std::min(size - 1, here + margin[a]); ++c)
-        near.voxels[std::size_t(std::ptrdiff_t(at) + (c - here) * stride)] = 1;
-    }
-  }
-  return near;
-}
 
-// What follows from a voxel's result for the next ones in its row.
-struct RowState {
-  std::uint32_t seed = 0;  ///< triangle to begin the search at
-  int known_to = 0;        ///< voxels before this one have `value`
-  std::uint8_t value = 0;
+  // And half the width of the ramp there.
+  std::pair<double, double> at(int i, int j, int k) const {
+    double d = 0, ramp = 0;
+    for (int n = 0; n < 8; ++n) {
+      const std::size_t v = mm_.index((i + (n & 1)) / 2, (j + (n >> 1 & 1)) / 2, (k + (n >> 2)) / 2);
+      d += mm_.voxels[v];
+      ramp += ramp_mm_[v];
+    }
+    return {d / 8, ramp > 0 ? ramp / 8 : 1e-9};
+  }
+
+ private:
+  grid::Grid<float> mm_;
+  std::vector<float> ramp_mm_;
 };
 
-// Calls each(i, j, k, state) for the voxels with a value in `which`, row by row in parallel.
+// Calls each(i, j, k) for the voxels with a value in `which`, slice by slice in parallel.
 template <class Each>
 void for_each_voxel(const grid::Grid<std::uint8_t>& which, const Progress& progress, const Each& each) {
-  const std::int64_t rows = std::int64_t(which.size[1]) * which.size[2];
-  parallel_for(0, rows, rows_a_piece, [&](std::int64_t from, std::int64_t to) {
+  parallel_for(0, which.size[2], 1, [&](std::int64_t k, std::int64_t) {
     progress.check();
-    RowState state;
-    for (std::int64_t row = from; row < to; ++row) {
-      const int j = int(row % which.size[1]), k = int(row / which.size[1]);
-      state.known_to = 0;
+    for (int j = 0; j < which.size[1]; ++j)
       for (int i = 0; i < which.size[0]; ++i)
-        if (which.at(i, j, k)) each(i, j, k, state);
-    }
+        if (which.at(i, j, int(k))) each(i, j, int(k));
   });
 }
 
@@ -259,27 +265,12 @@ grid::Grid<std::uint8_t> solid_occupancy(const surface::TriMesh& mesh, const gri
 
 void keep_shell(const surface::TriMesh& mesh, double shell_mm, grid::Grid<std::uint8_t>& solid,
                 const Progress& progress) {
-  const double reach = largest_ramp_mm(solid), enough = shell_mm + reach;
-  const grid::Mask near = cells_near(mesh, solid, enough);
-  const surface::Bvh tree(mesh, progress);
-  const grid::Grid<std::uint8_t> whole = solid;  // a voxel's side of the surface is told by what it was
-  for_each_voxel(whole, progress, [&](int i, int j, int k, RowState& state) {
+  const double reach = largest_ramp_mm(solid);
+  const Distances distances(mesh, solid, -shell_mm - reach, -shell_mm + reach, progress);
+  for_each_voxel(solid, progress, [&](int i, int j, int k) {
+    const auto [d, ramp] = distances.at(i, j, k);
     std::uint8_t& share = solid.at(i, j, k);
-    if (!near.at(i / cell_voxels, j / cell_voxels, k / cell_voxels)) {
-      share = 0;
-      return;
-    }
-    if (i < state.known_to) {
-      share = 0;
-      return;
-    }
-    const Vec3 local = solid.to_world_mm({double(i), double(j), double(k)}) - mesh.origin_mm;
-    const surface::ClosestPoint c = tree.nearest(local, state.seed, 0, state.seed);
-    const double d = std::sqrt(c.squared_mm2), depth = whole.at(i, j, k) > 127 ? d : -d;
-    const double ramp = ramp_mm(solid, direction_from(mesh, state.seed, local - c.point));
-    share = std::min(share, std::uint8_t(share_at(depth - shell_mm, ramp > 0 ? ramp : 1e-9)));
-    // A depth changes by a step at most from voxel to voxel.
-    if (depth > enough) state.known_to = i + 1 + int(std::min((depth - enough) / solid.spacing_mm.x, 1e6));
+    share = std::min(share, std::uint8_t(share_at(-d - shell_mm, ramp)));
   });
 }
 
@@ -288,34 +279,13 @@ Clearance clear_occupancy(const surface::TriMesh& mesh, double clear_mm, const g
   surface::check_mesh(mesh);
   check_size(mesh);
   grid::Mask inside = surface::voxelize_inside(mesh, wanted, progress.part(0, 0.2));
-  const double reach = largest_ramp_mm(wanted), enough = std::max(0.0, clear_mm - reach);
-  const grid::Mask near = cells_near(mesh, wanted, clear_mm + reach);
-  const surface::Bvh tree(mesh, progress);
-  progress.report(0.4);
+  const double reach = largest_ramp_mm(wanted);
+  const Distances distances(mesh, wanted, clear_mm - reach, clear_mm + reach, progress);
+  progress.report(0.8);
   grid::Grid<std::uint8_t> clear(wanted, 255);
-  for_each_voxel(wanted, progress, [&](int i, int j, int k, RowState& state) {
-    const std::size_t at = wanted.index(i, j, k);
-    std::uint8_t& out = clear.voxels[at];
-    const bool within = inside.voxels[at];
-    if (i < state.known_to) {
-      out = state.value;
-      return;
-    }
-    if ((within && clear_mm >= reach) || !near.at(i / cell_voxels, j / cell_voxels, k / cell_voxels)) {
-      out = within ? 0 : 255;
-      return;
-    }
-    const Vec3 local = wanted.to_world_mm({double(i), double(j), double(k)}) - mesh.origin_mm;
-    const surface::ClosestPoint c = tree.nearest(local, state.seed, enough, state.seed);
-    const double d = within ? -std::sqrt(c.squared_mm2) : std::sqrt(c.squared_mm2);  // or d is an upper bound <= enough
-    const double ramp = ramp_mm(wanted, direction_from(mesh, state.seed, local - c.point));
-    out = d <= enough && enough > 0 ? 0 : std::uint8_t(share_at(clear_mm - d, ramp > 0 ? ramp : 1e-9));
-    // A distance changes by a step at most from voxel to voxel.
-    const double spare = d > clear_mm + reach ? d - clear_mm - reach : enough - d;
-    if (spare > 0 && enough > 0) {
-      state.known_to = i + 1 + int(std::min(spare / wanted.spacing_mm.x, 1e6));
-      state.value = out;
-    }
+  for_each_voxel(wanted, progress, [&](int i, int j, int k) {
+    const auto [d, ramp] = distances.at(i, j, k);
+    clear.at(i, j, k) = std::uint8_t(share_at(clear_mm - d, ramp));
   });
   progress.report(1);
   return {std::move(clear), std::move(inside)};

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 // Occupancy of single solids on a lattice; for the sources of this room.
+#include <array>
 #include <cmath>
 #include <cstdint>
 
 #include "base/progress.h"
 #include "grid/grid.h"
 #include "surface/trimesh.h"
+#include "voxel/haptic_volume.h"
 
 namespace trephine::voxel::detail {
 
@@ -32,13 +34,22 @@ inline int share_at(double distance_mm, double ramp) {
 grid::Grid<std::uint8_t> solid_occupancy(const surface::TriMesh& mesh, const grid::Lattice& lattice,
                                          const Progress& progress);
 
+/// The same of a field's solid, whose pieces and cavities all count. Its surface is taken to be planes about the places
+/// where the field crosses 0 on the edges of its voxels (of parts of them, where they are larger than the lattice's):
+/// what a flat surface has is exact, and what bends is off by what it bends from voxel to voxel.
+grid::Grid<std::uint8_t> solid_occupancy(const grid::Field& field, const grid::Lattice& lattice,
+                                         const Progress& progress);
+
+/// What the volume has of each shape, by number; shape_volume_mm3 is of one alone.
+std::array<double, haptic_max_shapes + 1> shape_volumes_mm3(const HapticVolume& volume);
+
 /// Takes from a solid what lies deeper than `shell_mm` below its own surface. The inner face has a ramp as the outer
-/// one.
+/// one; it follows the distance from every second voxel on, linearly between them.
 void keep_shell(const surface::TriMesh& mesh, double shell_mm, grid::Grid<std::uint8_t>& solid,
                 const Progress& progress);
 
 /// The occupancy of what lies farther than `clear_mm` from the solid, for the voxels whose `wanted` is not 0; the
-/// others may have any value.
+/// others may have any value. Its face is as exact as the inner one of a shell.
 struct Clearance {
   grid::Grid<std::uint8_t> left;
   grid::Mask inside;  ///< the solid's voxels

@@ -121,7 +121,9 @@ void keep_behind_walls(detail::Clearance& clear, const grid::Grid<std::uint8_t>&
 grid::Grid<std::uint8_t> occupancy_of(const VoxelizeShape& shape, const grid::Lattice& lattice,
                                       const std::vector<Shares>& shares, int& largest, const Progress& progress) {
   const bool clear = shape.clear_of != nullptr;
-  grid::Grid<std::uint8_t> own = detail::solid_occupancy(*shape.surface, lattice, progress.part(0, clear ? 0.6 : 1));
+  const Progress solid = progress.part(0, clear ? 0.6 : 1);
+  grid::Grid<std::uint8_t> own = shape.surface ? detail::solid_occupancy(*shape.surface, lattice, solid)
+                                               : detail::solid_occupancy(*shape.field, lattice, solid);
   if (shape.shell_mm > 0) detail::keep_shell(*shape.surface, shape.shell_mm, own, progress);
   largest = own.voxels.empty() ? 0 : *std::max_element(own.voxels.begin(), own.voxels.end());
   if (!clear) return own;
@@ -177,7 +179,8 @@ void check_shapes(const grid::Lattice& lattice, const std::vector<VoxelizeShape>
     throw Error(ExitCode::bad_config, "", "haptic.shapes",
                 std::to_string(shapes.size()) + ", must be 1 to " + std::to_string(haptic_max_shapes));
   for (const VoxelizeShape& s : shapes)
-    if (!s.surface) throw Error(ExitCode::internal, "", "haptic." + s.name, "has no surface");
+    if (!s.surface && (!s.field || s.shell_mm > 0))
+      throw Error(ExitCode::internal, "", "haptic." + s.name, "has no surface");
 }
 
 bool is_half(int share) { return 2 * share >= haptic_full; }
@@ -226,11 +229,11 @@ Outcome<HapticVolume, VoxelizeResult> voxelize(const grid::Lattice& lattice, con
     half[std::size_t(v.number)] += is_half(v.share);
   }
   VoxelizeResult result;
+  const auto mm3 = detail::shape_volumes_mm3(volume);
   for (std::size_t n = 0; n < shapes.size(); ++n) {
     const std::string& name = shapes[n].name;
     if (half[n + 1] == 0) refuse_unfelt(shapes[n], largest[n]);
-    result.shapes.emplace_back(name,
-                               ShapeVoxels{shape_volume_mm3(volume, int(n + 1)) / 1000, voxels[n + 1], overlap_ml[n]});
+    result.shapes.emplace_back(name, ShapeVoxels{mm3[n + 1] / 1000, voxels[n + 1], overlap_ml[n]});
   }
   progress.report(1);
   return {std::move(volume), std::move(result), {}};

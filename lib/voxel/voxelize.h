@@ -52,6 +52,8 @@ struct VoxelizeShape {
   double clear_mm = 0;
   /// Above 0, only what lies at most so deep below the surface belongs to the shape: a membrane around what is within.
   double shell_mm = 0;
+  /// In place of the surface, where there is no shell: the shape's field, which takes a fifth of the time.
+  const grid::Field* field = nullptr;
 };
 
 struct VoxelizeParams {
