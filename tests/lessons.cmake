@@ -4,7 +4,7 @@ list(APPEND TREPHINE_TEST_AT_ONCE lessons)
 trephine_test(lessons lessons)
 endif()
 if(TARGET trephine-sim AND TARGET trephine)
-foreach(script lesson exercise decisions spine_needle two_hands)
+foreach(script lesson exercise decisions spine_needle two_hands two_hands_lesson)
 add_test(NAME program.${script} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/${script}.sh)
 set_tests_properties(program.${script} PROPERTIES TIMEOUT 1800
   ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine-sim>;OFFLINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};WRITE_CASE=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/write_sample_case")

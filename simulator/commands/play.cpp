@@ -25,7 +25,7 @@ constexpr const char* screen = "mouse";
 
 struct PlayParams {
   double seconds = 0;
-  int remote = -1, head_port = -1, record_server_port = 0;
+  int remote = -1, head_port = -1, record_server_port = 0, record_server_second_port = 0;
   bool remote_tells_all = false, questions = true;
   template <class V>
   static void describe(V& v) {
@@ -44,6 +44,8 @@ struct PlayParams {
     v.integer(&P::record_server_port, "record_server_port", Range{0, 65535},
               "In a lesson, send poses and buttons to the `trephine-sim record-server` at this port of the loopback "
               "interface, which records and signs the lesson as well; 0: to none.");
+    v.integer(&P::record_server_second_port, "record_server_second_port", Range{0, 65535},
+              "The server's port for the other hand, where there is a second device.");
     v.integer(&P::head_port, "head_port", Range{-1, 65535},
               "Port of the loopback interface on which a tracker that sends the printed token says where the user's "
               "head is; 0: any port that is free; -1: none.");
@@ -120,10 +122,12 @@ ExitCode run_play(const cli::ParsedCommand& given) {
                 "and --device " + o.session.device.name +
                     " do not go together: the server knows nothing of the error with which a tracked tool lies, and "
                     "would judge rows that it does not bear");
-  if (params.record_server_port > 0 && o.session.second)
-    throw Error(ExitCode::usage, "", "--record-server-port",
-                "and --second-device do not go together: the server takes one hand; the recording is sealed, and "
-                "`trephine-sim sign` signs it with both");
+  const bool two_to_server = params.record_server_port > 0 && o.session.second;
+  if (two_to_server != (params.record_server_second_port > 0))
+    throw Error(ExitCode::usage, "", "--record-server-second-port",
+                two_to_server ? "is needed where --second-device holds a tool: the server takes each hand at a port"
+                              : "needs --record-server-port and --second-device");
+  if (two_to_server) o.session.second->record_server_port = params.record_server_second_port;
   if (params.record_server_port > 0 && !o.lesson)
     throw Error(ExitCode::usage, "", "--record-server-port", "is of a --lesson");
   for (const char* own : {"participant", "task", "rubric", "out", "approved_sha256"})

@@ -25,8 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct RecordServerParams {
-  std::string module = "ventriculostomy", participant, task;
-  int port = 0;
+  std::string module = "ventriculostomy", participant, task, second_tool;
+  int port = 0, second_port = -1;
   double wait_s = 0, most_s = 7200;
   bool questions = true;
   template <class V>
@@ -37,14 +37,19 @@ struct RecordServerParams {
     v.text(&P::task, "task", "What is asked for, as `right` or `pedicle_2_left`; by default the usual.");
     v.integer(&P::port, "port", Range{0, 65535},
               "Port of the loopback interface on which poses are taken; 0: any port that is free, which is printed.");
+    v.integer(&P::second_port, "second_port", Range{-1, 65535},
+              "The same for the other hand's poses; -1: the lesson is done with one hand.");
+    v.text(&P::second_tool, "second_tool",
+           "What the other hand holds; by default the first that the lesson has for it.");
     v.number(&P::wait_s, "wait_s", Range{0, 86400}, "How long to wait for the first pose; 0: until stopped.");
     v.number(&P::most_s, "most_s", Range{1, 86400}, "The longest that the lesson may take; then it is cut off.");
     v.flag(&P::questions, "questions", "Expect answers to what the rubric asks.");
   }
 };
 
-// Until the lesson was finished, the device was lost, or the time is over. `seen` takes all frames.
-void follow(session::Session& session, std::atomic<bool>& stop, Sha256& seen) {
+// Until the lesson was finished, the device was lost, or the time is over. `seen` takes all frames of the first hand,
+// `of_second` those of the other one.
+void follow(session::Session& session, std::atomic<bool>& stop, Sha256& seen, Sha256& of_second) {
   std::uint32_t buttons = 0;
   while (session.running()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -54,6 +59,7 @@ void follow(session::Session& session, std::atomic<bool>& stop, Sha256& seen) {
       if (f.faults & ~haptics::haptic_fault::passing) stop = true;
       buttons = f.buttons;
     }
+    for (const haptics::ServoFrame& f : session.second_frames()) of_second.bytes(&f, sizeof f);
     if (cancel_requested()) stop = true;
   }
 }
@@ -95,20 +101,40 @@ ExitCode run_record_server(const cli::ParsedCommand& parsed) {
     o.asked = lessons::as_asked(lessons::questions_for(*rubric.common, type, manifest, o.task, p.participant));
   o.record = record;
   o.watched = true;
-  device::UdpParams udp;
-  udp.port = p.port;
-  udp.wait_s = p.wait_s;
-  o.own_device = [&](const device::DeviceScene& scene) {
+  const auto listening_at = [&](int port, const device::DeviceScene& scene) {
+    device::UdpParams udp;
+    udp.port = port;
+    udp.wait_s = p.wait_s;
     auto device = std::make_unique<device::UdpDevice>(udp, scene.realtime, device::UdpDevice::monotonic_ns,
                                                       session::lesson_number(patient->felt.case_sha256, o));
     scene.say({texts::NoteId::waiting_for_device, {device->endpoint()}});
+    return device;
+  };
+  std::unique_ptr<device::UdpDevice> of_other_hand;  // listens before the first is waited for
+  o.own_device = [&](const device::DeviceScene& scene) {
+    auto device = listening_at(p.port, scene);
+    if (o.second) of_other_hand = listening_at(p.second_port, scene);
     device->wait(Progress({}, &cancel_requested()));
     return device;
   };
+  if (p.second_port >= 0) {
+    const auto held = lessons::second_tool_of(type, p.second_tool);
+    session::SecondOptions& second = o.second.emplace();
+    second.device.name = "udp";
+    second.force = o.force;
+    second.switch_only = !held;
+    if (held) second.tool = *held;
+    second.own_device = [&](const device::DeviceScene&) {
+      of_other_hand->wait(Progress({}, &cancel_requested()));
+      return std::move(of_other_hand);
+    };
+  } else if (!p.second_tool.empty()) {
+    throw Error(ExitCode::usage, "", "--second-tool", "needs --second-port");
+  }
   o.seconds = p.most_s;
   std::atomic<bool> stop{false};
   session::SessionResult result;
-  Sha256 seen;
+  Sha256 seen, of_second;
   {
     session::Session session(
         o, stop,
@@ -122,19 +148,22 @@ ExitCode run_record_server(const cli::ParsedCommand& parsed) {
       log_warning(parsed.text("case") +
                   ": is not approved, so that a signature of the lesson says nothing of the case: look at it, and run "
                   "`trephine library approve`");
-    follow(session, stop, seen);
+    follow(session, stop, seen, of_second);
     result = session.finish();
     for (const haptics::ServoFrame& f : session.last_frames()) seen.bytes(&f, sizeof f);
+    for (const haptics::ServoFrame& f : session.second_frames()) of_second.bytes(&f, sizeof f);
   }
   if (result.frames_lost > 0)
     throw Error(ExitCode::io, record.string(), "",
                 "the disk was too slow for all ticks: not signed, do the lesson again");
   // What is signed is read from the disk, where another file may lie by now.
   const haptics::Recording read = haptics::read_recording(record);
-  Sha256 there;
+  Sha256 there, second_there;
   for (const haptics::ServoFrame& f : read.frames) there.bytes(&f, sizeof f);
-  if (there.hex() != seen.hex() || read.header.participant != o.participant || read.header.task != o.task ||
-      read.header.rubric_sha256 != o.rubric_sha256 || read.header.case_sha256 != result.header.case_sha256)
+  for (const haptics::ServoFrame& f : read.second) second_there.bytes(&f, sizeof f);
+  if (there.hex() != seen.hex() || second_there.hex() != of_second.hex() || read.header.participant != o.participant ||
+      read.header.task != o.task || read.header.rubric_sha256 != o.rubric_sha256 ||
+      read.header.case_sha256 != result.header.case_sha256)
     throw refusal("", "is not what was recorded, so that it was not signed",
                   {"give --record a folder where nobody else can write, and do the `lesson` again"})
         .in_file(record.string());

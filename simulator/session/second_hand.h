@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +22,9 @@ struct SecondOptions {
   haptics::PortParams port;
   haptics::BeltToolParams tool;
   bool switch_only = false;  ///< it holds nothing
+  /// Makes the device instead, where it is given: of a record server.
+  std::function<std::unique_ptr<device::Device>(const device::DeviceScene&)> own_device;
+  int record_server_port = 0;  ///< where its poses and switches go to the record server, if the first hand's do
 };
 
 /// A tool that the other hand holds without a lesson: what takes up or rinses enters nothing. Throws Error 64 for one

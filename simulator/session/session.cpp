@@ -46,7 +46,7 @@ std::unique_ptr<device::Device> before_screen(std::unique_ptr<device::Device> de
 
 std::unique_ptr<device::Device> witnessed(std::unique_ptr<device::Device> device, const SessionOptions& o,
                                           const std::string& case_sha256) {
-  if (o.record_server_port <= 0) return device;
+  if (o.record_server_port <= 0 || o.second) return device;
   return device::with_witness(std::move(device), o.record_server_port, lesson_number(case_sha256, o));
 }
 
@@ -75,6 +75,7 @@ std::uint32_t lesson_number(const std::string& case_sha256, const SessionOptions
     text += "\n" + a.question;
     for (const std::string& choice : a.choices) text += " " + choice;
   }
+  if (o.second) text += "\nsecond " + (o.second->switch_only ? "" : o.second->tool.name);
   return std::uint32_t(std::stoul(sha256_of_bytes(text).substr(0, 8), nullptr, 16)) | 1;
 }
 
@@ -108,6 +109,15 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
       recording_(recording_of(options, header_)),
       ticks_(ticks_of(options)),
       queue_(queue_size()) {
+  if (options.second && options.record_server_port > 0) {
+    // Both at once: the server answers the first hand when it has heard of both.
+    const std::uint32_t lesson = lesson_number(patient_->felt.case_sha256, options);
+    std::future<std::unique_ptr<device::Device>> second = std::async(std::launch::async, [&] {
+      return device::with_witness(std::move(second_device_), options.second->record_server_port, lesson);
+    });
+    device_ = device::with_witness(std::move(device_), options.record_server_port, lesson);
+    second_device_ = second.get();
+  }
   haptics::FrameQueue* queue = recording_ || options.watched ? &queue_ : nullptr;
   const haptics::PortParams& port = header_.port;
   const haptics::Feels feels = haptics::feels_behind(patient_->felt.feels, options.free, port, options.servo.rate_hz);
@@ -165,7 +175,7 @@ std::unique_ptr<device::Device> Session::made_second(const SessionOptions& optio
   scene.begin->tip_mm += Vec3{apart_mm, 0, 0} / o.workspace.workspace_scale;
   scene.drilled = 0;
   scene.tools.clear();
-  return device::in_workspace(device::make_device(o.device, scene), o.workspace);
+  return device::in_workspace(o.own_device ? o.own_device(scene) : device::make_device(o.device, scene), o.workspace);
 }
 
 device::DeviceScene Session::scene_of(const SessionOptions& options, const device::WorkspaceParams& w,

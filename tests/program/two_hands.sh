@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Two hands: both are felt, recorded and replayed, the first as it is without the second; what is spoilt or makes no sense is
-# refused in one line; lessons judge what the other hand did.
+# refused in one line.
 . "$(dirname "$0")/common.sh"
-: "${OFFLINE:?}" "${WRITE_CASE:?}"
+: "${WRITE_CASE:?}"
 "$WRITE_CASE" "$work/head" head_drilled
 servo=("$TREPHINE" servo "$work/head" --no-paced --max-step-s 3600 --seconds 1 --device trajectory --trajectory "$work/first.txt")
 second=(--second-device trajectory --second-trajectory "$work/second.txt" --second-tool suction)
@@ -13,16 +13,15 @@ import json, sys
 work = sys.argv[1]
 hole = json.load(open(work + "/head/case.json"))["burr_holes"][0]
 at, out = hole["position_mm"], [-a for a in hole["direction"]]
-def path(name, aside, deepest, switch=0, seconds=1):
+def path(name, aside, deepest, switch=0):
     with open(f"{work}/{name}.txt", "w") as f:
         for n in range(0, 101):
             far = 30 + (deepest - 30) * n / 100
             p = [a + o * far for a, o in zip(at, out)]
             p[1] += aside
-            print(round(seconds * n / 100, 4), *p, *out, switch if n > 50 else 0, file=f)
+            print(round(n / 100, 4), *p, *out, switch if n > 50 else 0, file=f)
 path("first", 30, -4)
 path("second", 0, -20, 1)
-path("swept", 0, -20, 1, 4)
 PY
 "${servo[@]}" --record "$work/one.servo" >/dev/null
 "${servo[@]}" "${second[@]}" --record "$work/both.servo" --json "$work/both.json" >"$work/text"
@@ -111,58 +110,3 @@ assert said["faults"] & ~48 == 0 and said["most_force_n"] > 0.05 and said["touch
 assert "device lost" in said["second"]["fault_names"] and said["second"]["device_counts"]["poses"] > 100, said["second"]
 PY
 "$TREPHINE" replay "$work/head" "$work/lost.servo" | grep -q '^replayed bit for bit$' || fail "the lost one does not replay"
-
-# A lesson in which suction presses on the brain: its row, and the same by a replay; one hand has no such row.
-"$OFFLINE" rubric "$SOURCE/configs/rubrics/ventriculostomy.yaml" --output "$work/rubric.json" >/dev/null
-cat >"$work/script.json" <<'JSON'
-{"module": "ventriculostomy", "steps": [{"take": {"tool": "catheter"}},
-  {"insert": {"toward": {"at": "monro_right"}, "short_of_mm": 1}}, "finish"]}
-JSON
-lesson=("$TREPHINE" lesson "$work/head" --script "$work/script.json" --participant r-01)
-"${lesson[@]}" --record "$work/one.lesson" --second-trajectory "$work/swept.txt" >/dev/null
-"$TREPHINE" replay "$work/head" "$work/one.lesson" | grep -q '^replayed bit for bit$' || fail "the lesson does not replay"
-"$TREPHINE" score "$work/one.lesson" --case "$work/head" --rubric "$work/rubric.json" --json "$work/one.json" --page "$work/one.html" --language de >"$work/text"
-"${lesson[@]}" --record "$work/alone.lesson" >/dev/null
-"$TREPHINE" score "$work/alone.lesson" --case "$work/head" --rubric "$work/rubric.json" --json "$work/alone.json" >/dev/null
-python3 - "$work" <<'PY' || fail "the other hand's row: $(cat "$work/text")"
-import json, sys
-one, alone = (json.load(open(f"{sys.argv[1]}/{n}.json")) for n in ("one", "alone"))
-rows = {r["name"]: r for r in one["rows"]}
-row = rows["second_hand"]
-assert row["score"] == 3 and 0.5 < row["measured"]["second_force_n"] <= 1, row
-assert one["facts"]["second_hand"]["tool"] == "suction" and one["facts"]["second_hand"]["suctions"] >= 1, one["facts"]["second_hand"]
-assert "second_hand" not in {r["name"] for r in alone["rows"]} and "second_hand" not in alone["facts"]
-for r in alone["rows"]:
-    assert rows[r["name"]]["score"] == r["score"], r  # nothing else is judged otherwise
-assert "Die andere Hand" in open(sys.argv[1] + "/one.html").read()
-PY
-# Who presses less in the recording than the hand did, and seals it anew, is found by the replay.
-python3 - "$work" <<'PY'
-import hashlib, json, re, sys
-data = bytearray(open(sys.argv[1] + "/one.lesson", "rb").read())
-head = 16 + 8192
-at = next(n for n in range(head + 176, len(data), 352) if any(data[n + 120:n + 144]))  # the second hand's first force
-data[at + 120:at + 144] = bytes(24)
-seal = re.search(rb'"seal_sha256": *"([0-9a-f]{64})"', data[:head])
-data[seal.start(1):seal.end(1)] = b"0" * 64
-data[seal.start(1):seal.end(1)] = hashlib.sha256(bytes(data[head:]) + bytes(data[:head])).hexdigest().encode()
-open(sys.argv[1] + "/forged.lesson", "wb").write(data)
-PY
-expect 80 'does not replay bit for bit' "$TREPHINE" score "$work/forged.lesson" --case "$work/head" --rubric "$work/rubric.json"
-expect 80 '1 of [0-9]+ differ when replayed' "$TREPHINE" replay "$work/head" "$work/forged.lesson"
-# X-rays by the other hand's switch, as the pedal takes them.
-"$WRITE_CASE" "$work/spine" spine
-"$OFFLINE" rubric "$SOURCE/configs/rubrics/spine_needle.yaml" --output "$work/spine.json" >/dev/null
-printf '0 0 0 900 0 0 1 0\n0.2 0 0 900 0 0 1 1\n0.5 0 0 900 0 0 1 0\n0.7 0 0 900 0 0 1 1\n0.8 0 0 900 0 0 1 0\n' >"$work/switch.txt"
-echo '{"module": "spine_needle", "steps": [{"wait": {"seconds": 1.5}}, "finish"]}' >"$work/wait.json"
-spine=("$TREPHINE" lesson "$work/spine" --script "$work/wait.json" --second-trajectory "$work/switch.txt" --record "$work/xray.lesson")
-"${spine[@]}" >/dev/null
-"$TREPHINE" score "$work/xray.lesson" --case "$work/spine" --rubric "$work/spine.json" --json "$work/xray.json" >/dev/null
-python3 - "$work/xray.json" <<'PY' || fail "X-rays by the other hand"
-import json, sys
-shots = json.load(open(sys.argv[1]))["facts"]["shots"]
-assert len(shots) == 2 and abs(sum(s["end_s"] - s["begin_s"] for s in shots) - 0.4) < 0.01, shots
-PY
-expect 64 'second-tool: the lesson spine_needle has no use for suction in the other hand' "${spine[@]}" --second-tool suction
-echo '{"module": "subclavian", "steps": ["finish"]}' >"$work/wait.json"
-expect 64 'second-device: the lesson subclavian has no use for a second hand' "${spine[@]}"
