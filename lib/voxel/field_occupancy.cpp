@@ -31,8 +31,8 @@ class FieldSampler {
     } else {
       for (int n = 0; n < 8; ++n) c[n] = at(i + (n & 1), j + (n >> 1 & 1), k + (n >> 2));
     }
-    for (int n = 0; n < 4; ++n) c[n] = c[2 * n] + x * (c[2 * n + 1] - c[2 * n]);
-    for (int n = 0; n < 2; ++n) c[n] = c[2 * n] + y * (c[2 * n + 1] - c[2 * n]);
+    for (std::size_t n = 0; n < 4; ++n) c[n] = c[2 * n] + x * (c[2 * n + 1] - c[2 * n]);
+    for (std::size_t n = 0; n < 2; ++n) c[n] = c[2 * n] + y * (c[2 * n + 1] - c[2 * n]);
     return c[0] + z * (c[1] - c[0]);
   }
   double at(int i, int j, int k) const {
