@@ -89,6 +89,7 @@ TEST(Outcome, ACatheterAndItsHoleAreFoundWhereTheyLie) {
   EXPECT_LT(norm(r.holes.front().outer_mm - truth.hole_mm), 0.8);
   EXPECT_NEAR(r.holes.front().diameter_mm, truth.hole_diameter_mm, 0.6);
   EXPECT_EQ(r.holes.front().side, "right");
+  EXPECT_TRUE(r.openings.empty());
 }
 
 TEST(Outcome, AHeadWithoutAnythingNewHasNone) {
@@ -98,6 +99,38 @@ TEST(Outcome, AHeadWithoutAnythingNewHasNone) {
   EXPECT_TRUE(r.courses.empty());
   EXPECT_EQ(r.hole, Sighting::none);
   EXPECT_TRUE(r.holes.empty());
+  EXPECT_TRUE(r.openings.empty());
+}
+
+// A piece of bone of 9 cm that was taken out is no burr hole. Its truth by rays through the two heads.
+TEST(Outcome, AMissingPieceOfBoneIsAnOpening) {
+  phantom::HeadParams who = head_after(phantom::Implants::none);
+  const phantom::Head before(who);
+  who.hard.craniectomy = true;
+  const phantom::Head after(who);
+  const OutcomeRecord r = measure_outcome(the_case(), scanned(who, scanner()), {});
+  EXPECT_TRUE(r.holes.empty());
+  ASSERT_EQ(r.openings.size(), 1u);
+  constexpr int rays = 20000;
+  const Vec3 from{0, -20, 60};
+  double area_mm2 = 0;
+  for (int n = 0; n < rays; ++n) {
+    const double z = 1 - 2 * (n + 0.5) / rays, s = std::sqrt(1 - z * z), turn = M_PI * (3 - std::sqrt(5.0)) * n;
+    const Vec3 way{s * std::cos(turn), s * std::sin(turn), z};
+    double t = 120;
+    while (t > 40 && before.implicit_mm(phantom::Anatomy::skull, from + way * t) > 0) t -= 0.25;
+    if (t <= 40 || after.implicit_mm(phantom::Anatomy::skull, from + way * (t - 1)) < 0) continue;
+    const auto at = [&](Vec3 d) { return before.implicit_mm(phantom::Anatomy::skull, from + way * t + d); };
+    const Vec3 out =
+        normalized({at({1, 0, 0}) - at({-1, 0, 0}), at({0, 1, 0}) - at({0, -1, 0}), at({0, 0, 1}) - at({0, 0, -1})});
+    area_mm2 += 4 * M_PI * t * t / rays / std::max(0.3, dot(out, way));
+  }
+  const lesson::OutcomeOpening& o = r.openings.front();
+  EXPECT_NEAR(o.area_cm2, area_mm2 / 100, 0.1 * area_mm2 / 100);
+  EXPECT_NEAR(o.longest_mm, 90, 5);
+  EXPECT_EQ(o.side, "left");
+  EXPECT_GE(o.confidence, 0.5);
+  EXPECT_LT(norm(o.middle_mm - after.things_mm().front().second), 6);
 }
 
 TEST(Outcome, TwoCathetersAreDoubtful) {

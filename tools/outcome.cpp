@@ -93,6 +93,11 @@ std::string table_of(const lesson::OutcomeRecord& r, bool chest) {
   for (const lesson::OutcomeHole& h : r.holes)
     out += fmt::format("  {:<6} middle {} mm (+- {:.2f}), {:.1f} mm wide, confidence {:.2f}\n", h.side,
                        at_text(h.outer_mm), h.error_mm, h.diameter_mm, h.confidence);
+  for (const lesson::OutcomeOpening& o : r.openings)
+    out += fmt::format(
+        "opening         {}: middle {} mm (+- {:.2f}), {:.0f} cm2 of bone are missing, {:.0f} mm at its "
+        "longest, confidence {:.2f}\n",
+        o.side, at_text(o.middle_mm), o.error_mm, o.area_cm2, o.longest_mm, o.confidence);
   return out;
 }
 

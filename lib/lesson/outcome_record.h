@@ -84,6 +84,29 @@ struct OutcomeHole {
   }
 };
 
+/// A piece of bone that is missing, much wider than what a burr makes.
+struct OutcomeOpening {
+  std::string side;
+  Vec3 middle_mm, out;
+  double area_cm2 = 0, longest_mm = 0, bone_mm = 0, confidence = 0, error_mm = 0;
+  std::vector<OutcomePlace> border;
+  template <class V>
+  static void describe(V& v) {
+    using P = OutcomeOpening;
+    v.word(&P::side, "side", {"left", "right", "middle"}, "The patient's side, of its middle.");
+    v.numbers(&P::middle_mm, "middle_mm", Range{-1e5, 1e5}, "Its middle at the outer table of the case's bone.");
+    v.numbers(&P::out, "out", Range{-1.000001, 1.000001}, "Of length 1, out of the head there.");
+    v.number(&P::area_cm2, "area_cm2", Range{0, 1e4}, "Of the outer table that is missing.");
+    v.number(&P::longest_mm, "longest_mm", Range{0, 1e3},
+             "Between the two places of its border that lie farthest apart.");
+    v.number(&P::bone_mm, "bone_mm", Range{0, 100}, "Median thickness of the case's bone there.");
+    v.number(&P::confidence, "confidence", Range{0, 1}, "From 0.5 on it counts as found.");
+    v.number(&P::error_mm, "error_mm", Range{0, 1e3},
+             "Standard error of the registration in its middle, by leaving parts of the head out.");
+    v.list(&P::border, "border", "Places of the outer table along its border, about 4 mm apart at most in a wide one.");
+  }
+};
+
 /// A dense, thin and long thing in the head that leads to the bone.
 struct OutcomeCourse {
   std::string side;
@@ -143,8 +166,8 @@ struct OutcomeScrew {
     v.choice(&P::sighting, "sighting", {{"found", Sighting::found}, {"doubtful", Sighting::doubtful}},
              "Whether it is surely a screw, and surely there.");
     v.words(&P::doubts, "doubts",
-            "Why it is doubtful: registration, vertebra, scale, no_head, scan_ends, no_rod, no_pedicle, two_pedicles, "
-            "backwards.");
+            "Why it is doubtful: registration, vertebra, scale, no_head, scan_ends, no_rod, thick_slices, no_pedicle, "
+            "two_pedicles, backwards.");
     v.numbers(&P::tip_mm, "tip_mm", Range{-1e5, 1e5}, "Its tip.");
     v.numbers(&P::head_mm, "head_mm", Range{-1e5, 1e5},
               "Where its head begins, on its axis; of a needle where the metal ends.");
@@ -206,6 +229,7 @@ struct OutcomeRecord {
   std::vector<std::string> catheter_doubts;
   std::vector<OutcomeCourse> courses;
   std::vector<OutcomeHole> holes;
+  std::vector<OutcomeOpening> openings;
   bool holes_beforehand = false;
   std::vector<OutcomeVertebra> vertebrae;
   std::vector<OutcomeScrew> screws;
@@ -229,6 +253,8 @@ struct OutcomeRecord {
     v.list(&P::courses, "courses", "What may be a catheter, the surest first.");
     v.choice(&P::hole, "hole", sightings, "Whether a hole was made.");
     v.list(&P::holes, "holes", "Gaps of the bone that the case does not have, the largest first.");
+    v.list(&P::openings, "openings", "Wider gaps, of a craniectomy, which no burr makes; the largest first.")
+        .not_always();
     v.flag(&P::holes_beforehand, "holes_beforehand",
            "The case was drilled before: holes there cannot be known from those of the procedure.");
     v.list(&P::vertebrae, "vertebrae", "Of a spine: the vertebrae that lie in the scan, from the lowest.").not_always();

@@ -24,9 +24,10 @@ constexpr int directions = 48;
 constexpr double wide_mm = 1;                         ///< of a gap behind its wall: less is a pit of the bone
 constexpr double round_mm = 0.4, round_ratio = 0.08;  ///< off a circle at the median: more is none
 constexpr double open_ratio = 0.8;                    ///< of the radius, within which a hole is looked at
+constexpr double opening_mm2 = 500;                   ///< no burr makes a hole of 25 mm
 constexpr double doubtful = 0.4;
 constexpr double least_shown_ratio = 0.7;  ///< of the stretch is bone in the case's CT too, and no frontal sinus
-constexpr double scalp_mm = 2.5, air_hu = -500;
+constexpr double scalp_mm = 2.5, air_hu = -500, sunken_hu = 200;
 constexpr double inside_mm = 0.4;  ///< off both tables, where HU are half of something else
 
 double to_segment_mm(Vec3 p, Vec3 a, Vec3 b) {
@@ -54,17 +55,22 @@ class BoneView {
     s.inner_mm = from + way * passage->inner_mm;
     s.outer_mm = from + way * passage->outer_mm;
     int count = 0, bone = 0;
+    double most_hu = -1e4;
     for (double d = passage->inner_mm + inside_mm; d <= passage->outer_mm - inside_mm; d += 0.4) {
       const double v = scan_(map_(from + way * d));
       if (v <= ScanView::beyond_hu / 2) return s;
       s.mean_hu += std::max(-100.0, v);
+      most_hu = std::max(most_hu, v);
       s.air_ratio += v < air_hu;
       bone += head_.shows_bone(from + way * d);
       ++count;
     }
-    // Beyond the scan, where no slice covers it, there is air, and no scalp on the bone.
     if (count == 0 || bone < least_shown_ratio * count) return s;
-    if (!bare_bone_ && scan_(map_(s.outer_mm + way * scalp_mm)) < air_hu) return s;
+    // Beyond the scan, where no slice covers it, there is air, and no scalp on the bone. Where a piece of bone is
+    // missing the scalp may have sunk in: then there is no bone either, and tissue under it.
+    if (!bare_bone_ && scan_(map_(s.outer_mm + way * scalp_mm)) < air_hu &&
+        (most_hu > sunken_hu || scan_(map_(s.inner_mm - way * scalp_mm)) < air_hu))
+      return s;
     s.known = true;
     s.mean_hu /= count;
     s.air_ratio /= count;
@@ -260,11 +266,55 @@ std::optional<lesson::OutcomeHole> measured(const CaseHead& head, const BoneView
   return hole;
 }
 
+/// What rays through a wide gap say of it: the bone's surface that each of them stands for. Nothing where a burr may
+/// have made it, or where it is a narrow cleft.
+std::optional<lesson::OutcomeOpening> opening_of(const CaseHead& head, const std::vector<Stretch>& gap) {
+  lesson::OutcomeOpening o;
+  std::vector<float> bone;
+  double area_mm2 = 0;
+  Vec3 sum;
+  for (const Stretch& s : gap) {
+    const Vec3 from = s.outer_mm - head.middle_mm;
+    const double away = norm(from), slant = std::abs(dot(out_of_bone(head, s.outer_mm), from)) / away;
+    const double part = 4 * pi * away * away / rays / std::max(0.3, slant);
+    area_mm2 += part;
+    sum += from * part;
+    bone.push_back(float(norm(s.outer_mm - s.inner_mm)));
+  }
+  if (area_mm2 < opening_mm2) return {};
+  const Vec3 way = normalized(sum);
+  const auto middle = passage_of(head, head.middle_mm, way, 140, least_bone_mm);
+  o.middle_mm = head.middle_mm + way * (middle ? middle->outer_mm : norm(sum) / area_mm2);
+  o.out = out_of_bone(head, o.middle_mm);
+  const Vec3 a = normalized(cross(o.out, std::abs(o.out.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0})), b = cross(o.out, a);
+  std::vector<const Stretch*> farthest(directions, nullptr);
+  const auto off = [&](const Stretch& s) {
+    const Vec3 d = s.outer_mm - o.middle_mm;
+    return std::hypot(dot(d, a), dot(d, b));
+  };
+  for (const Stretch& s : gap) {
+    const Vec3 d = s.outer_mm - o.middle_mm;
+    const int n = int((std::atan2(dot(d, b), dot(d, a)) / (2 * pi) + 0.5) * directions) % directions;
+    const Stretch*& most = farthest[std::size_t(n)];
+    if (!most || off(s) > off(*most)) most = &s;
+  }
+  for (const Stretch* s : farthest)
+    if (s) o.border.push_back({s->outer_mm});
+  for (const lesson::OutcomePlace& p : o.border)
+    for (const lesson::OutcomePlace& q : o.border) o.longest_mm = std::max(o.longest_mm, norm(p.at_mm - q.at_mm));
+  o.area_cm2 = area_mm2 / 100;
+  o.bone_mm = double(mask::median(bone, 0));
+  o.side = head.side_of(o.middle_mm);
+  // Of a disc its longest chord gives the area; a cleft is long for what it opens.
+  o.confidence = mask::ramp(area_mm2 / (pi / 4 * o.longest_mm * o.longest_mm), 0.1, 0.35) *
+                 mask::ramp(area_mm2, opening_mm2, 1.5 * opening_mm2);
+  return o;
+}
+
 }  // namespace
 
-std::vector<lesson::OutcomeHole> find_made_holes(const CaseHead& head, const ScanView& scan, const itk::LinearMap& map,
-                                                 const std::vector<lesson::OutcomeCourse>& courses, bool bare_bone,
-                                                 const Progress& progress) {
+MadeGaps find_made_holes(const CaseHead& head, const ScanView& scan, const itk::LinearMap& map,
+                         const std::vector<lesson::OutcomeCourse>& courses, bool bare_bone, const Progress& progress) {
   const BoneView view(head, scan, map, courses, bare_bone);
   std::vector<Stretch> seen;
   std::vector<float> all;
@@ -279,13 +329,14 @@ std::vector<lesson::OutcomeHole> find_made_holes(const CaseHead& head, const Sca
   }
   if (all.size() < 500) return {};
   const double usual = double(mask::median(all, 1000));
-  std::vector<Vec3> gap;
+  std::vector<Stretch> gap;
   for (const Stretch& s : seen)
-    if (!s.at_course && s.mean_hu < tissue_hu + no_bone_ratio * (usual - tissue_hu)) gap.push_back(s.outer_mm);
+    if (!s.at_course && s.mean_hu < tissue_hu + no_bone_ratio * (usual - tissue_hu)) gap.push_back(s);
   // Places that lie beside each other are one gap; a course may part them.
   const double near_mm = 2 * course_mm + 1.5;
   std::vector<char> used(gap.size(), 0);
-  std::vector<lesson::OutcomeHole> holes;
+  MadeGaps found;
+  std::vector<lesson::OutcomeHole>& holes = found.holes;
   const Vec3 spacing = scan.lattice().spacing_mm;
   const double slice_mm = std::max({spacing.x, spacing.y, spacing.z});
   for (std::size_t first = 0; first < gap.size(); ++first) {
@@ -294,12 +345,18 @@ std::vector<lesson::OutcomeHole> find_made_holes(const CaseHead& head, const Sca
     used[first] = 1;
     for (std::size_t m = 0; m < members.size(); ++m)
       for (std::size_t o = 0; o < gap.size(); ++o)
-        if (!used[o] && norm(gap[o] - gap[members[m]]) < near_mm) used[o] = 1, members.push_back(o);
+        if (!used[o] && norm(gap[o].outer_mm - gap[members[m]].outer_mm) < near_mm) used[o] = 1, members.push_back(o);
     if (members.size() < 3) continue;
     Vec3 middle;
-    for (const std::size_t m : members) middle += gap[m] * (1.0 / double(members.size()));
+    for (const std::size_t m : members) middle += gap[m].outer_mm * (1.0 / double(members.size()));
     double radius = 2;
-    for (const std::size_t m : members) radius = std::max(radius, norm(gap[m] - middle));
+    for (const std::size_t m : members) radius = std::max(radius, norm(gap[m].outer_mm - middle));
+    std::vector<Stretch> here;
+    for (const std::size_t m : members) here.push_back(gap[m]);
+    if (const auto opening = opening_of(head, here)) {
+      if (opening->confidence > 0) found.openings.push_back(*opening);
+      continue;
+    }
     const auto hole = measured(head, view, middle, radius, slice_mm);
     if (!hole) continue;
     if (std::any_of(holes.begin(), holes.end(), [&](const lesson::OutcomeHole& h) {
@@ -309,8 +366,10 @@ std::vector<lesson::OutcomeHole> find_made_holes(const CaseHead& head, const Sca
     holes.push_back(*hole);
   }
   std::stable_sort(holes.begin(), holes.end(), [](const auto& a, const auto& b) { return a.area_mm2 > b.area_mm2; });
+  std::stable_sort(found.openings.begin(), found.openings.end(),
+                   [](const auto& a, const auto& b) { return a.area_cm2 > b.area_cm2; });
   progress.report(1);
-  return holes;
+  return found;
 }
 
 }  // namespace trephine::outcome

@@ -18,10 +18,11 @@ constexpr double clipped_hu = 3050;  ///< a scan whose metal is no brighter than
 constexpr double bin_mm = 0.1, outside_mm = 1.5;
 constexpr double least_seed_mm3 = 30, least_seed_mm = 8;
 constexpr double disc_mm = 7.5, shaft_disc_mm = 5.5, grid_mm = 0.3, step_mm = 0.5, head_mm = 5.5;
-constexpr double reach_mm = 80;               ///< along the axis from the middle of what was seen
-constexpr double head_ratio = 1.6;            ///< of the shaft's area: more is the head
-constexpr double core_mm = 1, cone_mm = 0.3;  ///< by which a screw's point is farther out than its half height
-constexpr double straight_mm = 0.8;           ///< a middle line that is farther off is none of a screw
+constexpr double reach_mm = 80;     ///< along the axis from the middle of what was seen
+constexpr double head_ratio = 1.6;  ///< of the shaft's area: more is the head
+constexpr double core_mm = 1;
+constexpr double cone_mm = 5, point_mm = 0.8;  ///< of a screw's tip: its length, and the radius of its end
+constexpr double straight_mm = 0.8;            ///< a middle line that is farther off is none of a screw
 constexpr double least_length_mm = 15, least_diameter_mm = 1.5, most_diameter_mm = 10;
 constexpr double most_needle_mm = 4.5, least_out_mm = 25, usual_mm = 45;
 constexpr double at_pedicle_mm = 12, beside_ratio = 1.5;
@@ -30,6 +31,7 @@ constexpr double least_in_bone = 0.4;
 /// A voxel near an axis: how far along it and from it, and what is there.
 struct Voxel {
   double along_mm, off_mm, hu;
+  double slice_mm;  ///< how far off the axis its slice's middle lies
 };
 
 /// Where metal ends in a scan that may clip it: the edge, and the standard deviation of its blur, whose profile fits
@@ -70,6 +72,39 @@ std::optional<MetalEdge> metal_edge(const std::vector<std::pair<double, double>>
   return best;
 }
 
+/// Where the tip of a shaft ends, by the voxels about its axis: a slice averages the cone with what is beside it, by
+/// how far off the axis it lies and how thick it is.
+double tip_end(const std::vector<Voxel>& core, double radius_mm, double slice_mm,
+               const std::pair<double, double>& metal, double otherwise) {
+  if (core.size() < 12) return otherwise;
+  double first = 1e9, last = -1e9;
+  for (const Voxel& v : core) first = std::min(first, v.along_mm), last = std::max(last, v.along_mm);
+  std::vector<float> outside;
+  for (const Voxel& v : core)
+    if (v.along_mm > last - outside_mm) outside.push_back(float(v.hu));
+  const double around = std::min(double(mask::median(outside, 0)), 1000.0);
+  const auto share = [&](double inside_mm, double off_mm) {
+    if (inside_mm < 0) return 0.0;
+    const double r = std::min(radius_mm, point_mm + (radius_mm - point_mm) * inside_mm / cone_mm), half = slice_mm / 2;
+    return std::max(0.0, std::min(off_mm + half, r) - std::max(off_mm - half, -r)) / slice_mm;
+  };
+  double best = otherwise, least = 1e30;
+  for (double blur = 0.3; blur < 1.6; blur += 0.2)
+    for (double end = first; end < last; end += 0.05) {
+      double cost = 0;
+      for (const Voxel& v : core) {
+        const double in = end - v.along_mm, wide = std::sqrt(3.0) * blur;  // the blur by three places
+        const double metal_share =
+            (share(in - wide, v.slice_mm) + share(in + wide, v.slice_mm)) / 6 + share(in, v.slice_mm) * 2 / 3;
+        const double d =
+            std::min(metal.second, around + (metal.first - around) * metal_share) - std::min(metal.second, v.hu);
+        cost += d * d;
+      }
+      if (cost < least) least = cost, best = end;
+    }
+  return best;
+}
+
 /// How much metal lies across an axis there.
 struct Across {
   double area_mm2 = 0;
@@ -102,7 +137,7 @@ Across across(const ScanView& scan, Vec3 at, const Frame& f, double radius_mm) {
 /// A screw in the scan.
 struct Shaft {
   Vec3 tip_mm, seat_mm;
-  double diameter_mm = 0, off_mm = 0;
+  double diameter_mm = 0, off_mm = 0, slice_mm = 0;
   bool has_head = false, tip_beyond = false, head_beyond = false;  ///< the scan ends there
   bool unclear = false;                                            ///< an edge was not seen well enough
 };
@@ -121,7 +156,7 @@ std::pair<double, double> metal_of(const ScanView& scan, const std::vector<Vec3>
 std::vector<Voxel> voxels_about(const ScanView& scan, const Line& line, double low, double high, double radius_mm) {
   const grid::Lattice& l = scan.lattice();
   const mask::HuView& hu = scan.voxels();
-  const Vec3 a = line.at_mm + line.way * low, b = line.at_mm + line.way * high;
+  const Vec3 a = line.at_mm + line.way * low, b = line.at_mm + line.way * high, normal = l.direction.column[2];
   int from[3], to[3];
   std::fill(from, from + 3, 1 << 30), std::fill(to, to + 3, -1);
   for (int corner = 0; corner < 16; ++corner) {
@@ -139,7 +174,8 @@ std::vector<Voxel> voxels_about(const ScanView& scan, const Line& line, double l
       for (int i = from[0]; i <= to[0]; ++i) {
         const Vec3 d = l.to_world_mm({double(i), double(j), double(k)}) - line.at_mm;
         const double along = dot(d, line.way), off = norm(d - line.way * along);
-        if (along >= low && along <= high && off <= radius_mm) out.push_back({along, off, double(hu(i, j, k))});
+        if (along >= low && along <= high && off <= radius_mm)
+          out.push_back({along, off, double(hu(i, j, k)), dot(d - line.way * along, normal)});
       }
   return out;
 }
@@ -211,7 +247,7 @@ std::optional<Shaft> shaft_of(const ScanView& scan, const std::vector<Vec3>& see
   out.tip_beyond = tip.beyond;
   out.head_beyond = head.beyond;
   const std::pair<double, double> metal = metal_of(scan, seed);  // and the most that is shown
-  std::vector<std::pair<double, double>> side, core, ring;
+  std::vector<std::pair<double, double>> side, ring;
   const double near = 0.25 * (low + high) + 0.5 * low, far = 0.25 * (low + high) + 0.5 * high;
   for (const Voxel& v : voxels_about(scan, line, near, far, disc_mm)) side.emplace_back(v.off_mm, v.hu);
   const Vec3 spacing = scan.lattice().spacing_mm;
@@ -223,9 +259,9 @@ std::optional<Shaft> shaft_of(const ScanView& scan, const std::vector<Vec3>& see
   };
   const double radius = edge_or(side, std::sqrt(shaft_mm2 / pi));
   out.diameter_mm = 2 * radius;
-  for (const Voxel& v : voxels_about(scan, line, tip.end_mm - 8, tip.end_mm + 6, core_off))
-    core.emplace_back(v.along_mm, v.hu);
-  const double end_at = edge_or(core, tip.end_mm);
+  out.slice_mm = spacing.z;
+  const double end_at =
+      tip_end(voxels_about(scan, line, tip.end_mm - 8, tip.end_mm + 6, core_off), radius, spacing.z, metal, tip.end_mm);
   if (out.has_head) {  // about the shaft, where only the head is of metal
     for (const Voxel& v : voxels_about(scan, line, 4 - head.end_mm, middle, head_mm))
       if (v.off_mm > radius + 1.2) ring.emplace_back(v.along_mm, v.hu);
@@ -246,7 +282,7 @@ std::optional<Shaft> shaft_of(const ScanView& scan, const std::vector<Vec3>& see
   const auto on = [&](double t) {
     return again.at_mm + again.way * dot(line.at_mm + line.way * t - again.at_mm, again.way);
   };
-  out.tip_mm = on(end_at + cone_mm);
+  out.tip_mm = on(end_at);
   out.seat_mm = on(seat_at);
   return out;
 }
@@ -302,6 +338,7 @@ std::optional<lesson::OutcomeScrew> screw_of(const CaseSpine& spine, const Spine
   doubt(!shaft.has_head && s.kind != "needle", "no_head");
   doubt(shaft.tip_beyond || (shaft.head_beyond && s.kind != "needle"), "scan_ends");
   doubt(shaft.unclear || shaft.off_mm > straight_mm || s.diameter_mm > most_diameter_mm, "no_rod");
+  doubt(shaft.slice_mm > s.diameter_mm, "thick_slices");
   doubt(at.off_mm > at_pedicle_mm || in_bone < least_in_bone * std::min(s.length_mm, usual_mm), "no_pedicle");
   doubt(at.off_mm > 6 && at.next_mm < beside_ratio * at.off_mm, "two_pedicles");
   doubt(dot(s.axis, at.pedicle->forwards()) < 0.5, "backwards");

@@ -72,11 +72,15 @@ Laid laid_by_marks(const cases::LoadedCase& loaded, const ScanView& view, const 
   return {
       {fit->map.turn, fit->map.offset_mm}, registered(*fit, print, params), [fit](Vec3 p) { return fit->error_mm(p); }};
 }
-bool passes_a_hole(const lesson::OutcomeCourse& c, const std::vector<lesson::OutcomeHole>& holes) {
-  return std::any_of(holes.begin(), holes.end(), [&](const lesson::OutcomeHole& h) {
-    const Vec3 d = c.outer_mm - h.outer_mm;
-    return norm(d - h.out * dot(d, h.out)) < h.diameter_mm / 2 + through_mm;
-  });
+bool passes_a_hole(const lesson::OutcomeCourse& c, const lesson::OutcomeRecord& r) {
+  const auto across_mm = [&](Vec3 middle_mm, Vec3 out) {
+    const Vec3 d = c.outer_mm - middle_mm;
+    return norm(d - out * dot(d, out));
+  };
+  return std::any_of(r.holes.begin(), r.holes.end(),
+                     [&](const auto& h) { return across_mm(h.outer_mm, h.out) < h.diameter_mm / 2 + through_mm; }) ||
+         std::any_of(r.openings.begin(), r.openings.end(),
+                     [&](const auto& o) { return across_mm(o.middle_mm, o.out) < o.longest_mm / 2 + through_mm; });
 }
 
 void judge_catheter(lesson::OutcomeRecord& r) {
@@ -90,7 +94,7 @@ void judge_catheter(lesson::OutcomeRecord& r) {
                       [&](const auto& c) { return c.confidence >= beside_ratio * best.confidence; }) > 1,
         "two_courses");
   doubt(norm(best.outer_mm - best.inner_mm) < 0.1, "not_to_the_bone");
-  doubt(!r.holes_beforehand && !passes_a_hole(best, r.holes), "no_hole");
+  doubt(!r.holes_beforehand && !passes_a_hole(best, r), "no_hole");
   doubt(best.seen_mm < 20, "short");
   doubt(best.confidence < sure, "faint");
   r.catheter = r.catheter_doubts.empty() ? lesson::Sighting::found : lesson::Sighting::doubtful;
@@ -112,8 +116,10 @@ lesson::OutcomeRecord measure_outcome(const cases::LoadedCase& loaded, const gri
   r.case_token = loaded.manifest.case_token;
   r.registration = laid.registration;
   r.courses = find_courses(head, view, laid.map, progress.part(0.75, 0.85));
-  r.holes = find_made_holes(head, view, laid.map, r.courses, print != nullptr, progress.part(0.85, 1));
-  if (print) {  // below the cut nothing was printed
+  MadeGaps gaps = find_made_holes(head, view, laid.map, r.courses, print != nullptr, progress.part(0.85, 1));
+  r.holes = std::move(gaps.holes);
+  if (!print) r.openings = std::move(gaps.openings);  // a print is open at its cut
+  if (print) {                                        // below the cut nothing was printed
     const itk::LinearMap to_print = print::map_of(print->case_to_print);
     r.holes.erase(std::remove_if(r.holes.begin(), r.holes.end(),
                                  [&](const lesson::OutcomeHole& h) {
@@ -123,12 +129,13 @@ lesson::OutcomeRecord measure_outcome(const cases::LoadedCase& loaded, const gri
   }
   for (lesson::OutcomeCourse& c : r.courses) {
     if (!loaded.manifest.burr_holes.empty()) continue;
-    if (!passes_a_hole(c, r.holes)) c.confidence *= 0.6;
+    if (!passes_a_hole(c, r)) c.confidence *= 0.6;
   }
   std::stable_sort(r.courses.begin(), r.courses.end(),
                    [](const auto& a, const auto& b) { return a.confidence > b.confidence; });
   for (lesson::OutcomeCourse& c : r.courses) c.error_mm = laid.error_mm(c.tip_mm);
   for (lesson::OutcomeHole& h : r.holes) h.error_mm = laid.error_mm(h.outer_mm);
+  for (lesson::OutcomeOpening& o : r.openings) o.error_mm = laid.error_mm(o.middle_mm);
   r.holes_beforehand = !loaded.manifest.burr_holes.empty();
   judge_catheter(r);
   const bool hole = std::any_of(r.holes.begin(), r.holes.end(), [](const auto& h) { return h.confidence >= sure; });

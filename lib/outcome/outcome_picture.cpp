@@ -60,6 +60,8 @@ class Sheet {
         draw(h.outer_mm + (a * std::cos(2 * pi * n / 180) + b * std::sin(2 * pi * n / 180)) * (h.diameter_mm / 2), 1.1,
              hole_rgb);
     }
+    for (const lesson::OutcomeOpening& o : record_.openings)
+      for (const lesson::OutcomePlace& p : o.border) draw(p.at_mm, 2, hole_rgb);
     for (std::size_t c = record_.courses.size(); c-- > 0;) {
       const lesson::OutcomeCourse& course = record_.courses[c];
       for (std::size_t n = 0; n + 1 < course.course.size(); ++n)
@@ -107,8 +109,8 @@ class Sheet {
 }  // namespace
 
 picture::Image outcome_picture(const cases::LoadedCase& loaded, const lesson::OutcomeRecord& record) {
-  if (!loaded.has_ct() ||
-      (record.courses.empty() && record.holes.empty() && record.screws.empty() && record.lines.empty()))
+  if (!loaded.has_ct() || (record.courses.empty() && record.holes.empty() && record.openings.empty() &&
+                           record.screws.empty() && record.lines.empty()))
     return {};
   const Sheet sheet(loaded, record);
   std::vector<picture::Image> cells;
@@ -128,6 +130,9 @@ picture::Image outcome_picture(const cases::LoadedCase& loaded, const lesson::Ou
   if (!record.holes.empty())
     for (const SlicePlane plane : {SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal})
       cells.push_back(sheet.through(record.holes.front().outer_mm, plane, "hole"));
+  if (!record.openings.empty())
+    for (const SlicePlane plane : {SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal})
+      cells.push_back(sheet.through(record.openings.front().middle_mm, plane, "opening"));
   return picture::contact_sheet(cells, 3);
 }
 
