@@ -133,6 +133,15 @@ TEST(Outcome, AMissingPieceOfBoneIsAnOpening) {
   EXPECT_LT(norm(o.middle_mm - after.things_mm().front().second), 6);
 }
 
+TEST(Outcome, PaddingAtAScansEndIsNoOpening) {
+  grid::HuVolume scan = usual_scan();
+  auto& grid = std::get<grid::Grid<std::int16_t>>(scan);
+  for (int k = 50; k < grid.size[2]; ++k)
+    for (int j = 0; j < grid.size[1]; ++j) std::fill_n(&grid.at(0, j, k), grid.size[0], std::int16_t(-1000));
+  for (const lesson::OutcomeOpening& o : measure_outcome(the_case(), scan, {}).openings)
+    EXPECT_LT(o.confidence, 0.5) << o.area_cm2 << " cm2";
+}
+
 TEST(Outcome, TwoCathetersAreDoubtful) {
   const OutcomeRecord r =
       measure_outcome(the_case(), scanned(head_after(phantom::Implants::two_catheters), scanner()), {});

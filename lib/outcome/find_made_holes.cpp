@@ -305,8 +305,9 @@ std::optional<lesson::OutcomeOpening> opening_of(const CaseHead& head, const std
   o.area_cm2 = area_mm2 / 100;
   o.bone_mm = double(mask::median(bone, 0));
   o.side = head.side_of(o.middle_mm);
-  // Of a disc its longest chord gives the area; a cleft is long for what it opens.
-  o.confidence = mask::ramp(area_mm2 / (pi / 4 * o.longest_mm * o.longest_mm), 0.1, 0.35) *
+  // Of a disc its longest chord gives the area; a cleft is long for what it opens, and so is the rim of bone that is
+  // lost where a scan ends in padding.
+  o.confidence = mask::ramp(area_mm2 / (pi / 4 * o.longest_mm * o.longest_mm), 0.3, 0.6) *
                  mask::ramp(area_mm2, opening_mm2, 1.5 * opening_mm2);
   return o;
 }

@@ -75,8 +75,11 @@ std::optional<MetalEdge> metal_edge(const std::vector<std::pair<double, double>>
 /// Where the tip of a shaft ends, by the voxels about its axis: a slice averages the cone with what is beside it, by
 /// how far off the axis it lies and how thick it is.
 double tip_end(const std::vector<Voxel>& core, double radius_mm, double slice_mm,
-               const std::pair<double, double>& metal, double otherwise) {
-  if (core.size() < 12) return otherwise;
+               const std::pair<double, double>& metal, bool& unclear) {
+  if (core.size() < 12) {
+    unclear = true;
+    return 0;
+  }
   double first = 1e9, last = -1e9;
   for (const Voxel& v : core) first = std::min(first, v.along_mm), last = std::max(last, v.along_mm);
   std::vector<float> outside;
@@ -88,7 +91,7 @@ double tip_end(const std::vector<Voxel>& core, double radius_mm, double slice_mm
     const double r = std::min(radius_mm, point_mm + (radius_mm - point_mm) * inside_mm / cone_mm), half = slice_mm / 2;
     return std::max(0.0, std::min(off_mm + half, r) - std::max(off_mm - half, -r)) / slice_mm;
   };
-  double best = otherwise, least = 1e30;
+  double best = first, least = 1e30;
   for (double blur = 0.3; blur < 1.6; blur += 0.2)
     for (double end = first; end < last; end += 0.05) {
       double cost = 0;
@@ -152,11 +155,20 @@ std::pair<double, double> metal_of(const ScanView& scan, const std::vector<Vec3>
   return {clipped ? titanium_hu : std::max(4000.0, most), clipped ? most : 1e9};
 }
 
+// Across which the scan averages: its slices are those of the coarsest axis, of the third where all are alike.
+int slice_axis(const grid::Lattice& l) {
+  int axis = 2;
+  for (int a = 0; a < 2; ++a)
+    if (l.spacing_mm[a] > 1.01 * l.spacing_mm[axis]) axis = a;
+  return axis;
+}
+
 // The voxels about an axis that leads to the tip, from the lowest to the highest place along it.
 std::vector<Voxel> voxels_about(const ScanView& scan, const Line& line, double low, double high, double radius_mm) {
   const grid::Lattice& l = scan.lattice();
   const mask::HuView& hu = scan.voxels();
-  const Vec3 a = line.at_mm + line.way * low, b = line.at_mm + line.way * high, normal = l.direction.column[2];
+  const Vec3 a = line.at_mm + line.way * low, b = line.at_mm + line.way * high,
+             normal = l.direction.column[slice_axis(l)];
   int from[3], to[3];
   std::fill(from, from + 3, 1 << 30), std::fill(to, to + 3, -1);
   for (int corner = 0; corner < 16; ++corner) {
@@ -259,9 +271,11 @@ std::optional<Shaft> shaft_of(const ScanView& scan, const std::vector<Vec3>& see
   };
   const double radius = edge_or(side, std::sqrt(shaft_mm2 / pi));
   out.diameter_mm = 2 * radius;
-  out.slice_mm = spacing.z;
-  const double end_at =
-      tip_end(voxels_about(scan, line, tip.end_mm - 8, tip.end_mm + 6, core_off), radius, spacing.z, metal, tip.end_mm);
+  out.slice_mm = spacing[slice_axis(scan.lattice())];
+  bool no_end = false;
+  double end_at =
+      tip_end(voxels_about(scan, line, tip.end_mm - 8, tip.end_mm + 6, core_off), radius, out.slice_mm, metal, no_end);
+  if (no_end) out.unclear = true, end_at = tip.end_mm;
   if (out.has_head) {  // about the shaft, where only the head is of metal
     for (const Voxel& v : voxels_about(scan, line, 4 - head.end_mm, middle, head_mm))
       if (v.off_mm > radius + 1.2) ring.emplace_back(v.along_mm, v.hu);

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
+#include "base/pi.h"
 #include "base/refusal.h"
 #include "mask/filters.h"
 #include "outcome/case_chest.h"
@@ -79,8 +81,10 @@ bool passes_a_hole(const lesson::OutcomeCourse& c, const lesson::OutcomeRecord& 
   };
   return std::any_of(r.holes.begin(), r.holes.end(),
                      [&](const auto& h) { return across_mm(h.outer_mm, h.out) < h.diameter_mm / 2 + through_mm; }) ||
-         std::any_of(r.openings.begin(), r.openings.end(),
-                     [&](const auto& o) { return across_mm(o.middle_mm, o.out) < o.longest_mm / 2 + through_mm; });
+         std::any_of(r.openings.begin(), r.openings.end(), [&](const auto& o) {
+           // The radius of its area: a long cleft is no way in far beside it.
+           return o.confidence >= sure && across_mm(o.middle_mm, o.out) < 10 * std::sqrt(o.area_cm2 / pi) + through_mm;
+         });
 }
 
 void judge_catheter(lesson::OutcomeRecord& r) {

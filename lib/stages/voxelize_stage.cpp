@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stages/voxelize.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <list>
@@ -42,8 +44,12 @@ struct MadeOfFields {
   std::list<grid::Field> solids;
 };
 
-surface::Bounds bounds_of_shape(const grid::Field& field) {
-  const grid::Box inside = mask::positive(field, field).bounds();
+surface::Bounds bounds_of_shape(const std::string& name, const grid::Field& field) {
+  const mask::BitMask mask = mask::positive(field, field);
+  if (!mask.any())
+    throw refusal("shape." + name, fmt::format("nothing of its field is positive: 0 of {} voxels", field.count()),
+                  {"look at what it was made of: `trephine preview` shows a field"});
+  const grid::Box inside = mask.bounds();
   return surface::bounds_of(grid::cropped(field, grid::grown(inside, 1, field)), 0.5);
 }
 
@@ -52,7 +58,8 @@ grid::Lattice lattice_of_region(const VoxelizeStageParams& params, const StageIn
   const grid::Lattice& scan = grid::lattice_of(*in.get<grid::HuVolume>("volume"));
   surface::Bounds all;
   for (const auto& [name, mesh] : in.all<surface::TriMesh>("shape"))
-    surface::include(all, mesh ? surface::bounds_of(*mesh) : bounds_of_shape(*in.get<grid::Field>("shape." + name)));
+    surface::include(all,
+                     mesh ? surface::bounds_of(*mesh) : bounds_of_shape(name, *in.get<grid::Field>("shape." + name)));
   if (params.encoding == voxel::HapticEncoding::hu) all = surface::bounds_of(scan, 0.5);
   surface::Bounds region = all;
   if (!params.region_of.empty()) {
@@ -60,7 +67,7 @@ grid::Lattice lattice_of_region(const VoxelizeStageParams& params, const StageIn
     const grid::Field* field = in.get<grid::Field>("shape." + params.region_of);
     if (!of) of = in.get<surface::TriMesh>("region");
     if (!of && !field) throw Error(ExitCode::bad_config, "", "region_of", params.region_of + ", has no surface");
-    region = of ? surface::bounds_of(*of) : bounds_of_shape(*field);
+    region = of ? surface::bounds_of(*of) : bounds_of_shape(params.region_of, *field);
   }
   region = grown(region, params.margin_mm);
   const auto& [low, high] = std::tie(params.region_min_mm, params.region_max_mm);

@@ -12,7 +12,7 @@ coarse=(--set "resample.spacing_mm=[2.5,2.5,2.5]")
 coarsest=(--set "resample.spacing_mm=[3.5,3.5,3.5]" --set "haptic.spacing_mm=[2,2,2]")
 ((LONG == 0)) || coarse=() coarsest=()
 
-# long_only: what follows is done by the long suite alone, by the script's twin program.Long_NAME (tests/CMakeLists.txt).
+# long_only: what follows is done by the long suite alone, by the script's twin program.LongRest_NAME (tests/CMakeLists.txt).
 long_only() { ((LONG)) || [[ ${WHOLE:-0} == 1 ]] || { echo "ok; the rest is for the long suite"; exit 0; }; }
 
 fail() { echo "FAILED: $*" >&2; exit 1; }
