@@ -84,6 +84,7 @@ PY
 
 # lost HOW BACK: while it runs the tracker is lost, the session says so, and it goes on when it comes back.
 lost() {
+  : >"$work/said"  # else what the session before printed may be read
   "${servo[@]}" --seconds 600 --record "$work/lost.servo" >"$work/said" 2>"$work/stderr" &
   local pid=$!
   until grep -q '^servo at' "$work/said"; do sleep 0.02; [[ -e /proc/$pid ]] || fail "$(cat "$work/stderr")"; done
