@@ -8,6 +8,7 @@
 #include "base/pi.h"
 #include "mask/filters.h"
 #include "outcome/line.h"
+#include "outcome/metal_edge.h"
 
 namespace trephine::outcome {
 namespace {
@@ -15,98 +16,16 @@ namespace {
 constexpr double metal_hu = 2000;  ///< denser than any bone
 constexpr double edge_hu = 1500, titanium_hu = 8000;
 constexpr double clipped_hu = 3050;  ///< a scan whose metal is no brighter than this is not clipped
-constexpr double bin_mm = 0.1, outside_mm = 1.5;
 constexpr double least_seed_mm3 = 30, least_seed_mm = 8;
 constexpr double disc_mm = 7.5, shaft_disc_mm = 5.5, grid_mm = 0.3, step_mm = 0.5, head_mm = 5.5;
 constexpr double reach_mm = 80;     ///< along the axis from the middle of what was seen
 constexpr double head_ratio = 1.6;  ///< of the shaft's area: more is the head
 constexpr double core_mm = 1;
-constexpr double cone_mm = 5, point_mm = 0.8;  ///< of a screw's tip: its length, and the radius of its end
-constexpr double straight_mm = 0.8;            ///< a middle line that is farther off is none of a screw
+constexpr double straight_mm = 0.8;  ///< a middle line that is farther off is none of a screw
 constexpr double least_length_mm = 15, least_diameter_mm = 1.5, most_diameter_mm = 10;
 constexpr double most_needle_mm = 4.5, least_out_mm = 25, usual_mm = 45;
 constexpr double at_pedicle_mm = 12, beside_ratio = 1.5;
 constexpr double least_in_bone = 0.4;
-
-/// A voxel near an axis: how far along it and from it, and what is there.
-struct Voxel {
-  double along_mm, off_mm, hu;
-  double slice_mm;  ///< how far off the axis its slice's middle lies
-};
-
-/// Where metal ends in a scan that may clip it: the edge, and the standard deviation of its blur, whose profile fits
-/// best what is seen on voxels at places that rise outwards. Interpolated HU would not do: beside a clipped voxel they
-/// are too low.
-struct MetalEdge {
-  double at_mm = 0, blur_mm = 0;
-};
-std::optional<MetalEdge> metal_edge(const std::vector<std::pair<double, double>>& hu_at, double metal, double most) {
-  if (hu_at.size() < 12) return {};
-  double first = 1e9, last = -1e9;
-  for (const auto& [at, hu] : hu_at) first = std::min(first, at), last = std::max(last, at);
-  struct Bin {
-    double sum = 0, count = 0;
-  };
-  std::vector<Bin> bins(std::size_t((last - first) / bin_mm) + 1);
-  std::vector<float> outside;
-  for (const auto& [at, hu] : hu_at) {
-    Bin& bin = bins[std::size_t((at - first) / bin_mm)];
-    bin.sum += std::min(most, hu), ++bin.count;
-    if (at > last - outside_mm) outside.push_back(float(hu));
-  }
-  const double around = std::min(double(mask::median(outside, 0)), 1000.0);
-  MetalEdge best;
-  double least = 1e30;
-  for (double blur = 0.3; blur < 2.05; blur += 0.1)
-    for (double edge = first; edge < last; edge += 0.05) {
-      double cost = 0;
-      for (std::size_t n = 0; n < bins.size(); ++n) {
-        if (bins[n].count == 0) continue;
-        const double x = first + (double(n) + 0.5) * bin_mm - edge;
-        const double share = 0.5 * std::erfc(x / blur / std::sqrt(2.0));
-        const double d = std::min(most, around + (metal - around) * share) - bins[n].sum / bins[n].count;
-        cost += bins[n].count * d * d;
-      }
-      if (cost < least) least = cost, best = {edge, blur};
-    }
-  return best;
-}
-
-/// Where the tip of a shaft ends, by the voxels about its axis: a slice averages the cone with what is beside it, by
-/// how far off the axis it lies and how thick it is.
-double tip_end(const std::vector<Voxel>& core, double radius_mm, double slice_mm,
-               const std::pair<double, double>& metal, bool& unclear) {
-  if (core.size() < 12) {
-    unclear = true;
-    return 0;
-  }
-  double first = 1e9, last = -1e9;
-  for (const Voxel& v : core) first = std::min(first, v.along_mm), last = std::max(last, v.along_mm);
-  std::vector<float> outside;
-  for (const Voxel& v : core)
-    if (v.along_mm > last - outside_mm) outside.push_back(float(v.hu));
-  const double around = std::min(double(mask::median(outside, 0)), 1000.0);
-  const auto share = [&](double inside_mm, double off_mm) {
-    if (inside_mm < 0) return 0.0;
-    const double r = std::min(radius_mm, point_mm + (radius_mm - point_mm) * inside_mm / cone_mm), half = slice_mm / 2;
-    return std::max(0.0, std::min(off_mm + half, r) - std::max(off_mm - half, -r)) / slice_mm;
-  };
-  double best = first, least = 1e30;
-  for (double blur = 0.3; blur < 1.6; blur += 0.2)
-    for (double end = first; end < last; end += 0.05) {
-      double cost = 0;
-      for (const Voxel& v : core) {
-        const double in = end - v.along_mm, wide = std::sqrt(3.0) * blur;  // the blur by three places
-        const double metal_share =
-            (share(in - wide, v.slice_mm) + share(in + wide, v.slice_mm)) / 6 + share(in, v.slice_mm) * 2 / 3;
-        const double d =
-            std::min(metal.second, around + (metal.first - around) * metal_share) - std::min(metal.second, v.hu);
-        cost += d * d;
-      }
-      if (cost < least) least = cost, best = end;
-    }
-  return best;
-}
 
 /// How much metal lies across an axis there.
 struct Across {
@@ -164,7 +83,7 @@ int slice_axis(const grid::Lattice& l) {
 }
 
 // The voxels about an axis that leads to the tip, from the lowest to the highest place along it.
-std::vector<Voxel> voxels_about(const ScanView& scan, const Line& line, double low, double high, double radius_mm) {
+std::vector<AxisVoxel> voxels_about(const ScanView& scan, const Line& line, double low, double high, double radius_mm) {
   const grid::Lattice& l = scan.lattice();
   const mask::HuView& hu = scan.voxels();
   const Vec3 a = line.at_mm + line.way * low, b = line.at_mm + line.way * high,
@@ -180,7 +99,7 @@ std::vector<Voxel> voxels_about(const ScanView& scan, const Line& line, double l
       to[x] = std::max(to[x], std::min(l.size[std::size_t(x)] - 1, int(std::ceil(at[x]))));
     }
   }
-  std::vector<Voxel> out;
+  std::vector<AxisVoxel> out;
   for (int k = from[2]; k <= to[2]; ++k)
     for (int j = from[1]; j <= to[1]; ++j)
       for (int i = from[0]; i <= to[0]; ++i) {
@@ -261,7 +180,7 @@ std::optional<Shaft> shaft_of(const ScanView& scan, const std::vector<Vec3>& see
   const std::pair<double, double> metal = metal_of(scan, seed);  // and the most that is shown
   std::vector<std::pair<double, double>> side, ring;
   const double near = 0.25 * (low + high) + 0.5 * low, far = 0.25 * (low + high) + 0.5 * high;
-  for (const Voxel& v : voxels_about(scan, line, near, far, disc_mm)) side.emplace_back(v.off_mm, v.hu);
+  for (const AxisVoxel& v : voxels_about(scan, line, near, far, disc_mm)) side.emplace_back(v.off_mm, v.hu);
   const Vec3 spacing = scan.lattice().spacing_mm;
   const double core_off = std::max(core_mm, 0.5 * std::max({spacing.x, spacing.y, spacing.z}));
   const auto edge_or = [&](const std::vector<std::pair<double, double>>& hu_at, double otherwise) {
@@ -272,15 +191,15 @@ std::optional<Shaft> shaft_of(const ScanView& scan, const std::vector<Vec3>& see
   const double radius = edge_or(side, std::sqrt(shaft_mm2 / pi));
   out.diameter_mm = 2 * radius;
   out.slice_mm = spacing[slice_axis(scan.lattice())];
-  bool no_end = false;
-  double end_at =
-      tip_end(voxels_about(scan, line, tip.end_mm - 8, tip.end_mm + 6, core_off), radius, out.slice_mm, metal, no_end);
-  if (no_end) out.unclear = true, end_at = tip.end_mm;
+  const auto tip_at =
+      tip_end(voxels_about(scan, line, tip.end_mm - 8, tip.end_mm + 6, core_off), radius, out.slice_mm, metal);
+  if (!tip_at) out.unclear = true;
+  const double end_at = tip_at.value_or(tip.end_mm);
   if (out.has_head) {  // about the shaft, where only the head is of metal
-    for (const Voxel& v : voxels_about(scan, line, 4 - head.end_mm, middle, head_mm))
+    for (const AxisVoxel& v : voxels_about(scan, line, 4 - head.end_mm, middle, head_mm))
       if (v.off_mm > radius + 1.2) ring.emplace_back(v.along_mm, v.hu);
   } else {
-    for (const Voxel& v : voxels_about(scan, line, -head.end_mm - 6, -head.end_mm + 8, core_off))
+    for (const AxisVoxel& v : voxels_about(scan, line, -head.end_mm - 6, -head.end_mm + 8, core_off))
       ring.emplace_back(-v.along_mm, v.hu);
   }
   const double seat_at = out.has_head ? edge_or(ring, -head.end_mm) : -edge_or(ring, head.end_mm);
