@@ -114,8 +114,8 @@ def main():
     no_keys = make_keys(keys)
     seen = [work / f"{n}.lesson" for n in range(3)]
     for n, file in enumerate(seen):
-        attack.run("a lesson", "lesson", case, "--script", script, "--record", file, "--participant", "r-01", "--aim-noise-mm", 2, "--seed", n + 1,
-                   program=sim, allowed={0})
+        attack.run("a lesson", "lesson", case, "--rubric", rubric, "--script", script, "--record", file, "--participant", "r-01",
+                   "--aim-noise-mm", 2, "--seed", n + 1, program=sim, allowed={0})
         attack.run("the other's signature", "sign", file, "--key", keys / "other.key", program=sim, allowed={0})
         file.with_name(file.name + ".other").write_bytes(file.with_name(file.name + ".sig").read_bytes())
         attack.run("the teacher's", "sign", file, "--key", keys / "teacher.key", program=sim, allowed={0})
