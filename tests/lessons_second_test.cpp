@@ -58,7 +58,8 @@ LessonFacts facts_with(std::vector<SuctionSpell> spells) {
 }
 
 // Ticks in which the hand touches a shape with that force, or is in it.
-SecondHandFacts watched(int touched, double force_n, int inside, bool paused = false, std::uint32_t faults = 0) {
+SecondHandFacts watched(int touched, double force_n, int inside, bool paused = false, std::uint32_t faults = 0,
+                        bool idle = false, std::uint32_t buttons = 1) {
   haptics::RecordedSecondHand held;
   held.tool.tool = held.tool.name = "suction";
   SecondHandWatch watch(held, spared_shapes({{}, {"brain"}}, haptic()));
@@ -70,9 +71,9 @@ SecondHandFacts watched(int touched, double force_n, int inside, bool paused = f
     f.touched = touched;
     f.inside = inside;
     f.force_n[2] = force_n;
-    f.buttons = 1;
+    f.buttons = buttons;
     f.faults = faults;
-    watch.look(f, paused, facts);
+    watch.look(f, paused, idle, facts);
   }
   return facts;
 }
@@ -113,6 +114,9 @@ TEST(SecondHand, IsJudgedByItsForceOnWhatItMustSpare) {
   judge_second_hand(none, LessonFacts(), rubric(), haptic());
   EXPECT_TRUE(none.rows.empty());  // one hand
   EXPECT_NEAR(watched(0, 0, 0).switch_s, 0.1, 1e-9);
+  EXPECT_TRUE(watched(0, 0, 0, false, 0, true).suctions.empty()) << "its belt waits";
+  EXPECT_TRUE(watched(0, 0, 0, false, 0, false, 1 | haptics::haptic_button::lifted).suctions.empty());
+  EXPECT_TRUE(watched(0, 0, 0, false, haptics::haptic_fault::gap).suctions.empty());
   ASSERT_EQ(watched(0, 0, 0).suctions.size(), 1u);
   EXPECT_NEAR(watched(0, 0, 0).suctions[0].end_s - watched(0, 0, 0).suctions[0].begin_s, 0.1, 1e-9);
 }

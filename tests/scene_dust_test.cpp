@@ -201,9 +201,9 @@ TEST(BoneDust, ASecondHandTakesUpWhatBleeds) {
   header.tool.tool = "rod";
   header.second.emplace();
   header.second->tool.tool = header.second->tool.name = "suction";
-  const auto after = [&](std::uint32_t buttons, std::uint32_t faults, double off_mm) {
+  const auto after = [&](std::uint32_t buttons, std::uint32_t faults, double off_mm, int shape = 0) {
     auto dust = std::make_shared<scene::BoneDust>();
-    scene::DustWatch watch(dust, header, 0);
+    scene::DustWatch watch(dust, header, 0, [&](Vec3) { return shape; });
     watch.bleed({{at, at, 0, 6, 0, 1e9}}, {0, 1, 0});
     haptics::ServoFrame first, second;
     for (int n = 0; n < 12000; ++n) {
@@ -221,6 +221,8 @@ TEST(BoneDust, ASecondHandTakesUpWhatBleeds) {
   EXPECT_GT(after(0, 0, 0), 0.9) << "its switch is up";
   EXPECT_GT(after(1, haptics::haptic_fault::gap, 0), 0.9);
   EXPECT_GT(after(1, 0, 40), 0.9) << "elsewhere";
+  EXPECT_GT(after(1 | haptics::haptic_button::lifted, 0, 0), 0.9);
+  EXPECT_GT(after(1, 0, 0, 1), 0.9) << "it began in a shape and feels nothing";
 }
 
 // The same frames give the same cells, whether they come one by one or the recording is shown from another time.

@@ -214,15 +214,86 @@ TEST(TwoHands, BothReplayBitForBit) {
   Both again;
   for (std::size_t n = 0; n < was.first.size(); ++n) {
     again.first.push_back(haptics::replay_frames({was.first[n]}, rate_hz, *s.proxy, s.drilling.get()).front());
-    again.second.push_back(s.second->again(was.second[n]));
+    again.second.push_back(s.second->again(was.second[n], nullptr));
   }
   EXPECT_EQ(unlike(again.first, was.first), 0u);
   EXPECT_EQ(unlike(again.second, was.second), 0u);
   // With the volume as it was before, the second hand would have felt something else: the hole reaches under it.
   Session whole(true, nullptr);
   std::size_t other = 0;
-  for (const ServoFrame& f : was.second) other += !haptics::same_frame(whole.second->again(f), f);
+  for (const ServoFrame& f : was.second) other += !haptics::same_frame(whole.second->again(f, nullptr), f);
   EXPECT_GT(other, 50u);
+}
+
+// What the first hand's belt did with a command counts, not the command: it may refuse one, and the second device may
+// be silent when one comes.
+TEST(TwoHands, TheSecondFollowsWhatTheFirstDidWithACommand) {
+  constexpr int open_mm = 4, down_mm = -2;
+  const auto at = [](double x, double z, std::uint32_t buttons = 0) {
+    device::DeviceReading r;
+    r.tip_mm = {x, 0, z};
+    r.buttons = buttons;
+    return r;
+  };
+  const auto command = [](int c) { return std::uint32_t(c) << haptics::belt_button::command_shift; };
+  // Each hand goes down from one tick on, over 300 ticks; the first may come up again.
+  const auto way = [](int tick, int from) {
+    return open_mm - (open_mm - down_mm) * std::clamp(tick - from, 0, 300) / 300.0;
+  };
+  const auto last_force_n = [&](const std::function<device::DeviceReading(int)>& first,
+                                const std::function<device::DeviceReading(int)>& second) {
+    const auto led = [](const auto& where) {
+      return [&where](int tick, device::DeviceReading& out) {
+        out = where(tick);
+        return true;
+      };
+    };
+    Led one(led(first)), two(led(second));
+    Session s(true, &two);
+    haptics::BeltToolParams ball;
+    static_cast<haptics::ToolParams&>(ball) = s.header.tool;
+    ball.cuts = true;
+    haptics::ToolBelt belt(s.contact, s.feels, s.header.force, s.header.shaft, {ball}, s.drilling.get());
+    haptics::ServoParams params;
+    params.rate_hz = rate_hz;
+    haptics::FrameQueue queue(2 * ticks);
+    haptics::Servo servo(belt, one, params, &queue);
+    servo.set_other(s.second.get());
+    for (int n = 0; n < ticks; ++n) servo.tick(1 / rate_hz, 0);
+    Both both;
+    session::drain(queue, true, both.first, both.second);
+    for (const ServoFrame& f : both.second) EXPECT_EQ(f.buttons & command(haptics::belt_button::command_mask), 0u);
+    return force_of(both.second.back());
+  };
+  namespace belt_command = haptics::belt_command;
+  const auto pauses = [&](int n) { return n >= 450 && n < 460 ? command(belt_command::pause) : 0; };
+  const auto presses_from = [&](int from) { return [&, from](int n) { return at(5, way(n, from)); }; };
+  EXPECT_GT(last_force_n([&](int n) { return at(-4, way(n, 0), pauses(n)); }, presses_from(500)), 0.5)
+      << "the first touches and refuses the pause";
+  EXPECT_EQ(last_force_n([&](int n) { return at(-4, open_mm, pauses(n)); }, presses_from(0)), 0)
+      << "the first takes the pause while the second touches";
+  const auto resumes = [&](int n) {
+    return n >= 100 && n < 110 ? command(belt_command::pause) : n >= 300 ? command(belt_command::resume) : 0;
+  };
+  EXPECT_GT(last_force_n([&](int n) { return at(-4, open_mm, resumes(n)); },
+                         [&](int n) {
+                           device::DeviceReading r = at(5, way(n, 450));
+                           r.silent = n > 250 && n < 350;
+                           return r;
+                         }),
+            0.5)
+      << "the second is silent while the lesson goes on";
+  // The first drills until tick 500 and is in the open from 550 on.
+  const auto drills = [&](std::uint32_t pedal_at_700) {
+    return [&, pedal_at_700](int n) {
+      if (n < 500) return at(-4, way(n, 0), n > 300 ? pedal : 0);
+      return at(-4, std::min(double(open_mm), down_mm + (open_mm - down_mm) * (n - 500) / 50.0),
+                n < 700 ? 0 : command(belt_command::undo) | pedal_at_700);
+    };
+  };
+  const auto with_switch = [&](std::uint32_t down) { return [&, down](int n) { return at(5, way(n, 0), down); }; };
+  EXPECT_EQ(last_force_n(drills(0), with_switch(pedal)), 0) << "bone is put back, with the second one's switch down";
+  EXPECT_GT(last_force_n(drills(pedal), with_switch(0)), 0.5) << "the first one's pedal is down: nothing is put back";
 }
 
 TEST(TwoHands, ARecordingHoldsBoth) {

@@ -58,8 +58,13 @@ class BeltRules {
   template <class StillWaits, class InShape>
   bool begin(std::uint32_t buttons, bool free, const StillWaits& still_waits, const InShape& in_shape) {
     const int command = new_command(buttons);
-    if (command == belt_command::resume) paused_ = false;
-    if (command == belt_command::pause && free) paused_ = true;
+    if (obeys_) {
+      paused_ = others_pause_;
+      waiting_ = waiting_ || others_back_;
+    } else {
+      if (command == belt_command::resume) paused_ = false;
+      if (command == belt_command::pause && free) paused_ = true;
+    }
     // A hand that begins, or comes again, does so outside of every shape: no tissue would have held it on its way in.
     if (paused_ || (buttons & haptic_button::lifted))
       waiting_ = true;
@@ -76,19 +81,26 @@ class BeltRules {
   /// Ends it. `works`: no fault holds; `can_cut`: there is a drill, whose cuts can be taken back.
   void end(std::uint32_t buttons, bool works, bool can_cut) {
     const bool back = belt_command::takes_back(new_command(buttons)) && !(buttons & belt_button::pedal);
-    if (back && works && !idle() && can_cut) waiting_ = true;
+    takes_back_ = back && works && !idle() && can_cut && !obeys_;
+    if (takes_back_) waiting_ = true;
     buttons_ = buttons;
   }
+
+  /// Before begin(), in each tick of another hand: whether a pause of the hand whose commands count holds, and whether
+  /// what that one cut is taken back from now on. Commands with the buttons then do nothing.
+  void obey(bool paused, bool takes_back) { obeys_ = true, others_pause_ = paused, others_back_ = takes_back; }
 
   /// Between begin() and end(): the command that comes with this tick, whether or not it does something.
   int new_command(std::uint32_t buttons) const { return belt_command::new_of(buttons, buttons_); }
   int in_hand() const { return in_hand_; }  ///< -1 before the first tick
   bool paused() const { return paused_; }
+  bool takes_back() const { return takes_back_; }    ///< after end(): the tick's command was to, and may
   bool idle() const { return paused_ || waiting_; }  ///< nothing is felt, cut or marked
 
  private:
   int tools_, in_hand_ = -1;
   bool waiting_, paused_ = false;
+  bool obeys_ = false, others_pause_ = false, others_back_ = false, takes_back_ = false;
   std::uint32_t buttons_ = 0;
 };
 

@@ -130,7 +130,7 @@ void Servo::tick(double dt_s, double late_ns) {
     put_input(in, f);
     put_answer(s, f);
     f.late_us = std::uint32_t(std::min(late_ns / 1000, 4e9));
-    const ServoFrame* second = other_ ? &other_->tick(f) : nullptr;
+    const ServoFrame* second = other_ ? &other_->tick(f, belt_) : nullptr;
     if (queue_) queue_->push(f, second);
   }
   ++frame_.tick;

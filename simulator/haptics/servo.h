@@ -68,8 +68,9 @@ struct ServoStatistics {
 class OtherHand {
  public:
   virtual ~OtherHand() = default;
-  /// Its tick, with the first hand's frame of the same one; what it felt. As a tick, it neither allocates nor locks.
-  virtual const ServoFrame& tick(const ServoFrame& first) = 0;
+  /// Its tick, with the first hand's frame of the same one and its belt after it (null: it has none); what it felt. As
+  /// a tick, it neither allocates nor locks.
+  virtual const ServoFrame& tick(const ServoFrame& first, const ToolBelt* belt) = 0;
   virtual std::uint32_t faults() const = 0;  ///< so far; other threads may ask
 };
 

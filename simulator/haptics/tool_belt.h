@@ -60,10 +60,14 @@ class ToolBelt {
   /// belt, removed. Null: that belt has no drill.
   void watch(const Drilling* others) { watched_ = others; }
   void latch(std::uint32_t fault);
+  /// Of another hand, before each tick: BeltRules::obey().
+  void obey(bool paused, bool takes_back) { rules_.obey(paused, takes_back); }
 
   const std::vector<BeltToolParams>& tools() const { return tools_; }
   int in_hand() const { return rules_.in_hand(); }
   bool paused() const { return rules_.paused(); }
+  bool takes_back() const { return rules_.takes_back(); }  ///< after after(): BeltRules
+  bool idle() const { return rules_.idle(); }  ///< a pause, or the wait for the open: nothing is felt, cut or marked
   bool has_mark() const { return has_mark_; }
   Vec3 mark_mm() const { return mark_mm_; }
   Drilling* drilling() const { return drilling_; }

@@ -8,13 +8,11 @@
 #include "base/error.h"
 
 namespace trephine::lessons {
-namespace {
 
-[[noreturn]] void refuse(const haptics::ServoFrame& f, const std::string& what) {
-  throw Error(ExitCode::bad_input, "", "frames", fmt::format("tick {}, {:.2f} s: {}", f.tick, f.time_s, what));
+void HandLimits::refuse(const haptics::ServoFrame& f, const std::string& what) const {
+  throw Error(ExitCode::bad_input, "", "frames",
+              fmt::format("{}tick {}, {:.2f} s: {}", whose_, f.tick, f.time_s, what));
 }
-
-}  // namespace
 
 void HandLimits::look(const haptics::ServoFrame& f, const haptics::ToolBelt& belt) {
   const Vec3 tip{f.tip_mm[0], f.tip_mm[1], f.tip_mm[2]};

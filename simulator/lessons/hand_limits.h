@@ -2,6 +2,7 @@
 #pragma once
 #include <deque>
 #include <string>
+#include <utility>
 
 #include "contact/contact.h"
 #include "haptics/frame.h"
@@ -24,11 +25,14 @@ constexpr double max_forward_m_per_s = 0.5, forward_window_s = 0.05;
 class HandLimits {
  public:
   /// `contact` as it is cut while the frames are followed; it must outlive this.
-  explicit HandLimits(const contact::ContactVolume& contact) : contact_(contact) {}
+  /// `whose`: begins what is refused.
+  explicit HandLimits(const contact::ContactVolume& contact, std::string whose = "")
+      : contact_(contact), whose_(std::move(whose)) {}
   /// Before the belt follows the frame, and after: `belt` as it then is. Throws Error 65 with the field `frames`.
   void look(const haptics::ServoFrame& frame, const haptics::ToolBelt& belt);
 
  private:
+  [[noreturn]] void refuse(const haptics::ServoFrame& f, const std::string& what) const;
   void look_at_speed(const haptics::ServoFrame& f);
   void look_at_pace(const haptics::ServoFrame& f);
   struct Moment {
@@ -36,6 +40,7 @@ class HandLimits {
     Vec3 tip_mm;
   };
   const contact::ContactVolume& contact_;
+  const std::string whose_;
   std::deque<Moment> moments_;  // of two windows
   std::deque<Moment> within_;   // of the proxy, one window, while the tip is within a shape
   bool away_ = true;            // not begun, lifted or paused

@@ -45,7 +45,8 @@ void Lesson::set_second(const haptics::RecordedSecondHand& held, std::uint64_t s
   noted().second.emplace();
 }
 
-void Lesson::watch(const haptics::ServoFrame& f, const haptics::ToolBelt& belt, const haptics::ServoFrame* second) {
+void Lesson::watch(const haptics::ServoFrame& f, const haptics::ToolBelt& belt, const haptics::ServoFrame* second,
+                   const haptics::ToolBelt* second_belt) {
   LessonFacts& facts = noted();
   if (facts.end != LessonEnd::running) return;
   if (!begun_) {
@@ -77,8 +78,9 @@ void Lesson::watch(const haptics::ServoFrame& f, const haptics::ToolBelt& belt, 
   bool other = false;
   if (second_ && second) {
     other = !belt.paused() && second_->takes_xrays(*second);
-    second_->look(*second, belt.paused(), *facts.second);
-    if (pedal && haptics::tool_kind(belt.tools()[std::size_t(belt.in_hand())].tool).takes_up)
+    second_->look(*second, belt.paused(), second_belt && second_belt->idle(), *facts.second);
+    const bool works = !belt.idle() && f.faults == 0 && !(f.buttons & haptics::haptic_button::lifted);
+    if (pedal && works && haptics::tool_kind(belt.tools()[std::size_t(belt.in_hand())].tool).takes_up)
       SecondHandWatch::suck(f.time_s, f.dt_s, {f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]}, *facts.second);
   }
   tick(f, belt, pedal || other);

@@ -58,9 +58,10 @@ class Lesson {
   void set_task(const std::string& task) { noted().task = task; }
   /// There is another hand, which must spare these shapes (spared_shapes()).
   void set_second(const haptics::RecordedSecondHand& held, std::uint64_t spared);
-  /// After each tick, with the tools as they are then. `second`: what the other hand did in it, where there is one.
+  /// After each tick, with the tools as they are then. `second`: what the other hand did in it, where there is one, and
+  /// its belt, where it holds a tool.
   void watch(const haptics::ServoFrame& frame, const haptics::ToolBelt& belt,
-             const haptics::ServoFrame* second = nullptr);
+             const haptics::ServoFrame* second = nullptr, const haptics::ToolBelt* second_belt = nullptr);
   /// At the end of the frames: closes what is open. Nothing is watched afterwards.
   virtual void close() = 0;
   virtual const LessonFacts& facts() const = 0;

@@ -148,7 +148,7 @@ std::shared_ptr<const LessonFacts> facts_of_recording(session::FeltCase& felt, c
   lesson->set_task(h.task);
   if (h.second) lesson->set_second(*h.second, spared_shapes(module.second, felt.loaded.manifest.haptic));
   for (const haptics::ServoFrame& f : recording.second) require_followable(f, file);
-  HandLimits limits(contact);
+  HandLimits limits(contact), second_limits(contact, "second hand: ");
   std::vector<haptics::ServoFrame> answered;
   for (std::size_t n = 0; n < recording.frames.size(); ++n) {
     const haptics::ServoFrame& f = recording.frames[n];
@@ -161,10 +161,13 @@ std::shared_ptr<const LessonFacts> facts_of_recording(session::FeltCase& felt, c
                 fmt::format("does not replay bit for bit, tick {} of {} is the first that differs", f.tick,
                             recording.frames.size()));
     } else {
-      belt.follow(haptics::input_of(f, h.rate_hz), haptics::state_of(f));
+      rerun.follow(f, second);
     }
-    with_file(file, [&] { limits.look(f, belt); });
-    lesson->watch(f, belt, second);
+    with_file(file, [&] {
+      limits.look(f, belt);
+      if (rerun.second_belt()) second_limits.look(*second, *rerun.second_belt());
+    });
+    lesson->watch(f, belt, second, rerun.second_belt());
   }
   lesson->close();
   if (h.outcome && rerun.drilling() && haptics::volume_digest(felt.loaded.haptic) != h.outcome->volume_sha256)

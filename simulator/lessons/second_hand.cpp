@@ -37,13 +37,13 @@ bool SecondHandWatch::takes_xrays(const haptics::ServoFrame& f) const {
   return held_.switch_only && f.faults == 0 && (f.buttons & haptics::belt_button::pedal);
 }
 
-void SecondHandWatch::look(const haptics::ServoFrame& f, bool paused, SecondHandFacts& facts) {
+void SecondHandWatch::look(const haptics::ServoFrame& f, bool paused, bool idle, SecondHandFacts& facts) {
   if (paused) return;
   if (!held_.switch_only) facts.tool = held_.tool.name;
   if (f.faults != 0) return;
   const bool down = f.buttons & haptics::belt_button::pedal;
   facts.switch_s += down ? f.dt_s : 0;
-  if (held_.switch_only) return;
+  if (held_.switch_only || idle || (f.buttons & haptics::haptic_button::lifted)) return;
   const auto spared = [&](int shape) { return shape > 0 && shape < 64 && (spared_ >> shape & 1); };
   if (const double force = norm(vec(f.force_n)); spared(f.touched) && force > facts.most_force_n) {
     facts.most_force_n = force;

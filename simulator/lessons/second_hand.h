@@ -45,7 +45,8 @@ class SecondHandWatch {
   /// `spared`: the shapes that it must spare, bit n for shape n.
   SecondHandWatch(const haptics::RecordedSecondHand& held, std::uint64_t spared);
   bool takes_xrays(const haptics::ServoFrame& second) const;
-  void look(const haptics::ServoFrame& second, bool paused, SecondHandFacts& facts);
+  /// `idle`: its belt waits, so that it feels nothing; then, as where it is lifted, it takes up nothing.
+  void look(const haptics::ServoFrame& second, bool paused, bool idle, SecondHandFacts& facts);
   /// The suction of the first hand, at its tip.
   static void suck(double time_s, double dt_s, Vec3 tip_mm, SecondHandFacts& facts);
 

@@ -257,14 +257,20 @@ std::vector<std::uint8_t> BoneDust::texels() const {
   return out;
 }
 
+DustWatch::Hands DustWatch::hands_of(const haptics::RecordingHeader& h, const session::HandWatch::ShapeAt& shape_at) {
+  Hands hands{session::HandWatch(h, shape_at), std::nullopt};
+  if (h.second) hands.second.emplace(*h.second, shape_at);
+  return hands;
+}
+
 DustWatch::DustWatch(std::shared_ptr<BoneDust> dust, const haptics::RecordingHeader& h, std::uint64_t drilled,
                      session::HandWatch::ShapeAt shape_at)
     : dust_(std::move(dust)),
       takes_back_(h.drilling.drill && h.drilling.undo_steps > 0),
       drilled_(h.drilling.drill ? drilled : 0),
       water_ml_per_min_(h.drilling.irrigation_ml_per_min),
-      begins_(h, std::move(shape_at)),
-      hand_(begins_) {
+      begin_(hands_of(h, shape_at)),
+      hands_(begin_) {
   for (const haptics::BeltToolParams& t : h.tools) held_.push_back(held_of(t, t.cuts));
   if (h.tools.empty()) held_.push_back(held_of(h.tool, true));
   if (h.second && !h.second->switch_only) second_ = held_of(h.second->tool, false);
@@ -294,16 +300,19 @@ BoneDust::Tick DustWatch::tick_of(const Held& held, const haptics::ServoFrame& f
 
 void DustWatch::look(const haptics::ServoFrame& f, bool shown, const haptics::ServoFrame* second) {
   ++looked_;
-  hand_.look(f);
-  const bool pedal = hand_.works() && (f.buttons & haptics::Drilling::pedal);
-  if (takes_back_ && hand_.command() == haptics::belt_command::reset && hand_.works() && !pedal && dust_->any())
+  session::HandWatch& hand = hands_.first;
+  hand.look(f);
+  if (second && hands_.second) hands_.second->look(*second, hand);
+  const bool pedal = hand.works() && (f.buttons & haptics::Drilling::pedal);
+  if (takes_back_ && hand.command() == haptics::belt_command::reset && hand.works() && !pedal && dust_->any())
     dust_->clear();
   if (!shown) return;
   const bool lifted = f.buttons & haptics::haptic_button::lifted;
-  const BoneDust::Tick tick = tick_of(held_[hand_.tool()], f, pedal && !lifted);
+  const BoneDust::Tick tick = tick_of(held_[hand.tool()], f, pedal && !lifted);
   if (!second || !second_) return dust_->add(tick);
-  const BoneDust::Tick other =
-      tick_of(*second_, *second, second->faults == 0 && (second->buttons & haptics::Drilling::pedal));
+  const bool sucks = hands_.second->works() && (second->buttons & haptics::Drilling::pedal) &&
+                     !(second->buttons & haptics::haptic_button::lifted);
+  const BoneDust::Tick other = tick_of(*second_, *second, sucks);
   dust_->add(tick, &other);
 }
 
@@ -314,12 +323,12 @@ void DustWatch::go_to(const std::vector<haptics::ServoFrame>& frames, std::size_
   if (after != kept_.begin() && (count < looked_ || std::prev(after)->looked > looked_)) {
     const Kept& kept = *std::prev(after);
     dust_->become(kept.dust);
-    hand_ = kept.hand;
+    hands_ = kept.hands;
     looked_ = kept.looked;
   } else if (count < looked_) {
     dust_->clear();
     looked_ = 0;
-    hand_ = begins_;
+    hands_ = begin_;
   }
   last_looked_ = count - looked_;
   while (looked_ < count) {
@@ -330,7 +339,7 @@ void DustWatch::go_to(const std::vector<haptics::ServoFrame>& frames, std::size_
 
 // Of a long recording fewer, so that what is kept stays below some 20 MB.
 void DustWatch::keep() {
-  kept_.push_back({looked_, hand_, *dust_});
+  kept_.push_back({looked_, hands_, *dust_});
   if (kept_.size() < most_kept) return;
   keep_each_ *= 2;
   kept_.erase(std::remove_if(kept_.begin(), kept_.end(), [&](const Kept& k) { return k.looked % keep_each_ != 0; }),

@@ -113,12 +113,17 @@ class DustWatch {
   const bool takes_back_;
   const std::uint64_t drilled_;
   const double water_ml_per_min_;
-  const session::HandWatch begins_;
-  session::HandWatch hand_;
+  struct Hands {
+    session::HandWatch first;
+    std::optional<session::HandWatch> second;
+  };
+  static Hands hands_of(const haptics::RecordingHeader& header, const session::HandWatch::ShapeAt& shape_at);
+  const Hands begin_;
+  Hands hands_;
   std::size_t looked_ = 0, last_looked_ = 0;
   struct Kept {
     std::size_t looked;
-    session::HandWatch hand;
+    Hands hands;
     BoneDust dust;
   };
   std::vector<Kept> kept_;  // of go_to(), in their order

@@ -149,10 +149,17 @@ std::vector<haptics::ServoFrame> Rerun::run(const std::vector<haptics::ServoFram
   out.reserve(recorded.size());
   for (const haptics::ServoFrame& f : recorded) {
     out.push_back(run({f}).front());
-    answered.push_back(second_->again(*second++));
+    answered.push_back(second_->again(*second++, belt_.get()));
   }
   return out;
 }
+
+void Rerun::follow(const haptics::ServoFrame& recorded, const haptics::ServoFrame* second) {
+  belt_->follow(haptics::input_of(recorded, rate_hz_), haptics::state_of(recorded));
+  if (second_) second_->follow(*second, belt_.get());
+}
+
+const haptics::ToolBelt* Rerun::second_belt() const { return second_ ? second_->belt() : nullptr; }
 
 FeltCase felt_again(const std::filesystem::path& folder, const std::string& file, const haptics::RecordingHeader& h,
                     cases::LoadParts parts, bool after_others) {

@@ -57,6 +57,9 @@ class Rerun {
   /// and its answers are appended to `answered`. Where the recording has one hand they are not read.
   std::vector<haptics::ServoFrame> run(const std::vector<haptics::ServoFrame>& recorded,
                                        const haptics::ServoFrame* second, std::vector<haptics::ServoFrame>& answered);
+  /// The answers that were recorded are taken as they are: both belts follow, and what was cut is cut. Of a lesson.
+  void follow(const haptics::ServoFrame& recorded, const haptics::ServoFrame* second);
+  const haptics::ToolBelt* second_belt() const;  ///< of the second hand; null without a tool in it
   const haptics::Drilling* drilling() const { return drilling_.get(); }
   haptics::ToolBelt* belt() { return belt_.get(); }  ///< null for one tool
 

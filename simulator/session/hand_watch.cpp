@@ -8,6 +8,19 @@ namespace trephine::session {
 HandWatch::HandWatch(const haptics::RecordingHeader& h, ShapeAt shape_at)
     : tools_(h.tools.size()), drills_(h.drilling.drill), shape_at_(std::move(shape_at)), rules_(h.tools.size()) {}
 
+HandWatch::HandWatch(const haptics::RecordedSecondHand& held, ShapeAt shape_at)
+    : tools_(held.switch_only ? 0 : 1), drills_(false), shape_at_(std::move(shape_at)), rules_(tools_) {}
+
+bool HandWatch::takes_back() const {
+  if (tools_ > 0) return rules_.takes_back();
+  return drills_ && works_ && haptics::belt_command::takes_back(command_) && !(buttons_ & haptics::belt_button::pedal);
+}
+
+void HandWatch::look(const haptics::ServoFrame& f, const HandWatch& first) {
+  rules_.obey(first.rules_.paused(), first.takes_back());
+  look(f);
+}
+
 void HandWatch::look(const haptics::ServoFrame& f) {
   command_ = haptics::belt_command::new_of(f.buttons, buttons_);
   if (tools_ > 0 || f.faults == 0) buttons_ = f.buttons;  // a drill without a belt takes it once the fault is over

@@ -20,9 +20,15 @@ class HandWatch {
   /// Without `shape_at`, a pose where nothing is touched counts as outside of every shape, and a hand that waits for
   /// such a pose does so for one tick.
   explicit HandWatch(const haptics::RecordingHeader& header, ShapeAt shape_at = {});
+  /// Of the other hand and the one tool that it holds, whose commands are the first hand's.
+  explicit HandWatch(const haptics::RecordedSecondHand& held, ShapeAt shape_at = {});
   void look(const haptics::ServoFrame& frame);
+  /// The other hand's frame, after `first` has looked at the first hand's.
+  void look(const haptics::ServoFrame& frame, const HandWatch& first);
   /// The number of the tool in hand in the last frame; 0 in a session with one tool.
   std::size_t tool() const { return std::size_t(std::max(0, rules_.in_hand())); }
+  /// Whether what the first hand cut is taken back from the last frame on, as far as frames say it.
+  bool takes_back() const;
   /// Whether pedal and commands did something in the last frame.
   bool works() const { return works_; }
   /// That came with the last frame, whether or not it does something; belt_command::none for none.

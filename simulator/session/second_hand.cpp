@@ -12,7 +12,6 @@ namespace {
 
 // Of a second device its switches count; tool and commands are the first hand's.
 constexpr std::uint32_t switches = 0xff;
-constexpr std::uint32_t command_bits = haptics::belt_button::command_mask << haptics::belt_button::command_shift;
 
 }  // namespace
 
@@ -48,12 +47,19 @@ void drain(haptics::FrameQueue& queue, bool two_hands, std::vector<haptics::Serv
 
 SecondHand::SecondHand(const touch::FeltSpace& space, const haptics::Feels& feels, const haptics::RecordingHeader& h,
                        const haptics::Drilling* drilling, device::Device* device)
-    : period_s_(1 / h.rate_hz), device_(device), port_(h.second->port, h.second->force) {
+    : period_s_(1 / h.rate_hz), device_(device), drilling_(drilling), port_(h.second->port, h.second->force) {
   if (h.second->switch_only) return;
   belt_ = std::make_unique<haptics::ToolBelt>(space, haptics::feels_behind(feels, {}, h.second->port, h.rate_hz),
                                               h.second->force, haptics::ShaftParams(),
                                               std::vector<haptics::BeltToolParams>{h.second->tool}, nullptr);
   belt_->watch(drilling);
+}
+
+// What the first hand did, not what it asked for: it may refuse a command.
+void SecondHand::obey(const haptics::ToolBelt* first) {
+  const int so_far = drilling_ ? drilling_->outcome().undone + drilling_->outcome().resets : 0;
+  if (belt_) belt_->obey(first && first->paused(), so_far != taken_back_);
+  taken_back_ = so_far;
 }
 
 const haptics::HapticState& SecondHand::answer(haptics::HapticInput& in, std::uint32_t lost) {
@@ -69,14 +75,14 @@ const haptics::HapticState& SecondHand::answer(haptics::HapticInput& in, std::ui
   return port_.after(in, state_);
 }
 
-const haptics::ServoFrame& SecondHand::tick(const haptics::ServoFrame& first) {
+const haptics::ServoFrame& SecondHand::tick(const haptics::ServoFrame& first, const haptics::ToolBelt* belt) {
   device::DeviceReading reading;
   const bool there = device_->read(std::exchange(first_, false) ? 0 : first.dt_s, reading);
   haptics::HapticInput in;
   in.tip_mm = reading.tip_mm;
   in.axis = reading.axis;
   if (device_->knows_across()) in.across = reading.across;
-  in.buttons = (reading.buttons & (switches | haptics::haptic_button::lifted)) | (first.buttons & command_bits);
+  in.buttons = reading.buttons & (switches | haptics::haptic_button::lifted);
   in.dt_s = first.dt_s;
   in.period_s = period_s_;
   port_.before(in, there && reading.silent);
@@ -85,6 +91,7 @@ const haptics::ServoFrame& SecondHand::tick(const haptics::ServoFrame& first) {
     in.tip_mm = in.axis = in.across = {};
     lost |= haptics::haptic_fault::pose;
   }
+  obey(belt);
   const haptics::HapticState& s = answer(in, lost);
   device_->tell({first.time_s, s.proxy_mm, s.touched, s.inside, s.faults, s.torque_n_mm, s.axis, s.across, s.events,
                  s.locked, 0});
@@ -100,14 +107,20 @@ const haptics::ServoFrame& SecondHand::tick(const haptics::ServoFrame& first) {
   return frame_;
 }
 
-haptics::ServoFrame SecondHand::again(const haptics::ServoFrame& recorded) {
+haptics::ServoFrame SecondHand::again(const haptics::ServoFrame& recorded, const haptics::ToolBelt* belt) {
   haptics::HapticInput in = haptics::input_of(recorded, 1 / period_s_);
   in.period_s = period_s_;
   port_.again(in, recorded.faults);
   haptics::ServoFrame out = recorded;
+  obey(belt);
   const std::uint32_t given = haptics::haptic_fault::device_lost | (belt_ ? 0 : haptics::haptic_fault::pose);
   haptics::put_answer(answer(in, recorded.faults & given), out);
   return out;
+}
+
+void SecondHand::follow(const haptics::ServoFrame& recorded, const haptics::ToolBelt* belt) {
+  obey(belt);
+  if (belt_) belt_->follow(haptics::input_of(recorded, 1 / period_s_), haptics::state_of(recorded));
 }
 
 }  // namespace trephine::session

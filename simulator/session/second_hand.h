@@ -38,8 +38,9 @@ void drain(haptics::FrameQueue& queue, bool two_hands, std::vector<haptics::Serv
            std::vector<haptics::ServoFrame>& second);
 
 /// The other hand in a case: a tool of its own in the same volume, felt with its device's own limits. It cuts nothing.
-/// Where the first hand's cuts are taken back, and in a pause of the lesson, it feels nothing until it was in the open,
-/// as the first does (haptics::ToolBelt). A hand that is a switch alone has neither tool nor force.
+/// Where the first hand's cuts are taken back, and in a pause that the first hand's belt took, it feels nothing until
+/// it was in the open, as the first does (haptics::ToolBelt); a command that the first refuses does nothing here
+/// either. A hand that is a switch alone has neither tool nor force.
 class SecondHand : public haptics::OtherHand {
  public:
   /// `feels`: of the case; `header`: of the recording, with the second hand; `drilling` is the first hand's, and may be
@@ -47,10 +48,13 @@ class SecondHand : public haptics::OtherHand {
   SecondHand(const touch::FeltSpace& space, const haptics::Feels& feels, const haptics::RecordingHeader& header,
              const haptics::Drilling* drilling, device::Device* device = nullptr);
 
-  const haptics::ServoFrame& tick(const haptics::ServoFrame& first) override;
+  const haptics::ServoFrame& tick(const haptics::ServoFrame& first, const haptics::ToolBelt* belt) override;
   std::uint32_t faults() const override { return faults_.load(std::memory_order_relaxed); }
-  /// The same for a tick that was recorded: its answer to the recorded pose.
-  haptics::ServoFrame again(const haptics::ServoFrame& recorded);
+  /// The same for a tick that was recorded: its answer to the recorded pose. `belt`: the first hand's after that tick.
+  haptics::ServoFrame again(const haptics::ServoFrame& recorded, const haptics::ToolBelt* belt);
+  /// again() with the answer that was recorded.
+  void follow(const haptics::ServoFrame& recorded, const haptics::ToolBelt* belt);
+  const haptics::ToolBelt* belt() const { return belt_.get(); }  ///< its own; null of a switch alone
 
   std::uint64_t jumps() const { return port_.jumps(); }
   std::uint64_t gaps() const { return port_.gaps(); }
@@ -58,10 +62,13 @@ class SecondHand : public haptics::OtherHand {
   std::uint64_t touching() const { return touching_; }   ///< ticks; after the loop
 
  private:
+  void obey(const haptics::ToolBelt* first);
   const haptics::HapticState& answer(haptics::HapticInput& in, std::uint32_t lost);
 
   double period_s_;
   device::Device* device_;
+  const haptics::Drilling* drilling_;
+  int taken_back_ = 0;  // strokes and more, so far
   haptics::DevicePort port_;
   std::unique_ptr<haptics::ToolBelt> belt_;  // null of a switch alone
   haptics::HapticState state_;               // then

@@ -67,8 +67,12 @@ LessonController::LessonController(const LessonPlay& play, const session::Patien
   questions_ = std::make_unique<LessonQuestions>(lessons::as_asked(asked), *rubric_.common);
   belt_ = std::make_unique<haptics::ToolBelt>(patient.contact, patient.felt.feels, o.force, o.shaft, module_.tools(),
                                               nullptr);
+  if (o.second && !o.second->switch_only)
+    second_belt_ = std::make_unique<haptics::ToolBelt>(patient.contact, patient.felt.feels, o.second->force,
+                                                       haptics::ShaftParams(),
+                                                       std::vector<haptics::BeltToolParams>{o.second->tool}, nullptr);
   if (o.second)
-    lesson_->set_second({o.second->device.name, o.second->switch_only, {}, {}, o.second->tool},
+    lesson_->set_second({o.second->device.name, o.second->switch_only, o.second->force, {}, o.second->tool},
                         lessons::spared_shapes(module_.second, manifest_.haptic));
   steps_ = steps_of(module_, lesson_->facts(), belt_->tools());
   tool_ = std::max(0, steps_.front().tool);
@@ -180,11 +184,16 @@ texts::Answer LessonController::back() {
 void LessonController::watch(const std::vector<haptics::ServoFrame>& frames, const haptics::Drilling* drilling,
                              const std::vector<haptics::ServoFrame>& second) {
   belt_->watch(drilling);
+  if (second_belt_) second_belt_->watch(drilling);
   if (!frames.empty()) inside_ = frames.back().inside;
   for (std::size_t n = 0; n < frames.size(); ++n) {
     const haptics::ServoFrame& f = frames[n];
     belt_->follow(haptics::input_of(f, rate_hz_), haptics::state_of(f));
-    lesson_->watch(f, *belt_, second.empty() ? nullptr : &second[n]);
+    if (second_belt_ && !second.empty()) {
+      second_belt_->obey(belt_->paused(), belt_->takes_back());
+      second_belt_->follow(haptics::input_of(second[n], rate_hz_), haptics::state_of(second[n]));
+    }
+    lesson_->watch(f, *belt_, second.empty() ? nullptr : &second[n], second_belt_.get());
     const int command = haptics::belt_button::command(f.buttons);
     if (resting_ && !commands_.empty() && command == commands_.front()) {
       commands_.pop_front();

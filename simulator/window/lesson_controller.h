@@ -126,7 +126,7 @@ class LessonController {
   const cases::LoadedCase& loaded_;  // of the patient; its haptic volume is cut meanwhile
   const cases::CaseManifest& manifest_;
   voxel::HapticVolume before_;
-  std::unique_ptr<haptics::ToolBelt> belt_;  // follows the session's
+  std::unique_ptr<haptics::ToolBelt> belt_, second_belt_;  // follow the session's; the second is null without a tool
   std::unique_ptr<lessons::Lesson> lesson_;
   std::vector<LessonStep> steps_;
   lessons::LessonTask task_;

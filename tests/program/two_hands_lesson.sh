@@ -36,6 +36,25 @@ for r in alone["rows"]:
     assert rows[r["name"]]["score"] == r["score"], r  # nothing else is judged otherwise
 assert "Die andere Hand" in open(sys.argv[1] + "/one.html").read()
 PY
+# A tip that begins in the brain feels nothing until it was outside: it takes up nothing either. One that jumps is no hand's.
+python3 - "$work" <<'PY'
+import sys
+lines = open(sys.argv[1] + "/swept.txt").read().splitlines()
+pose = lines[-1].split()[1:7]
+open(sys.argv[1] + "/inside.txt", "w").write("".join(" ".join([str(t), *pose, "1"]) + "\n" for t in (0, 5)))
+first = lines[0].split()[1:7]
+beside = [str(float(first[0]) + 80), *first[1:]]
+open(sys.argv[1] + "/jumps.txt", "w").write("".join(" ".join([str(t), *p, "0"]) + "\n" for t, p in ((0, first), (0.5, first), (0.502, beside), (5, beside))))
+PY
+"${lesson[@]}" --record "$work/inside.lesson" --second-trajectory "$work/inside.txt" >/dev/null
+"$TREPHINE" score "$work/inside.lesson" --case "$work/head" --rubric "$work/rubric.json" --json "$work/inside.json" >/dev/null
+python3 - "$work/inside.json" <<'PY' || fail "suction that feels nothing"
+import json, sys
+second = json.load(open(sys.argv[1]))["facts"]["second_hand"]
+assert second["suctions"] == 0 and second["most_force_n"] == 0 and second["switch_s"] > 1, second
+PY
+"${lesson[@]}" --record "$work/jumps.lesson" --second-trajectory "$work/jumps.txt" >/dev/null
+expect 65 'second hand: tick [0-9]+, .*the device jumped' "$TREPHINE" score "$work/jumps.lesson" --case "$work/head" --rubric "$work/rubric.json"
 # Who presses less in the recording than the hand did, and seals it anew, is found by the replay.
 python3 - "$work" <<'PY'
 import hashlib, json, re, sys
