@@ -153,6 +153,9 @@ ExitCode run_record_server(const cli::ParsedCommand& parsed) {
     for (const haptics::ServoFrame& f : session.last_frames()) seen.bytes(&f, sizeof f);
     for (const haptics::ServoFrame& f : session.second_frames()) of_second.bytes(&f, sizeof f);
   }
+  if (const std::uint32_t faults = session::lasting_second_faults(result); faults != 0)
+    log_warning("second hand: " + haptics::fault_names(faults) +
+                ": its force was zero from then on, and nothing of it counts");
   if (result.frames_lost > 0)
     throw Error(ExitCode::io, record.string(), "",
                 "the disk was too slow for all ticks: not signed, do the lesson again");

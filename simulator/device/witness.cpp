@@ -85,8 +85,9 @@ class WitnessedDevice : public Device {
       const std::string where = "at port " + std::to_string(port) + " of this machine";
       throw Error(ExitCode::io, "", "--record-server-port",
                   refused_ ? "the record server " + where +
-                                 " is for another participant, task, case or rubric, or is held by another window: "
-                                 "start `trephine-sim record-server` with what this lesson has"
+                                 " is for another participant, task, case, rubric or second hand (--second-port, "
+                                 "--second-tool), or is held by another window: start `trephine-sim record-server` "
+                                 "with what this lesson has"
                            : "nobody answers " + where + ": start `trephine-sim record-server` first");
     }
     thread_ = std::thread([this] { serve(); });

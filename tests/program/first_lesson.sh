@@ -26,7 +26,7 @@ feeder=$!
 for try in {1..600}; do port=$([[ ! -e $work/server ]] || sed -nE 's/.*127\.0\.0\.1:([0-9]+).*/\1/p' "$work/server"); [[ -n $port ]] && break; sleep 0.1; done
 [[ -n $port ]] || { cat "$work/server"; fail "the server does not say where it is"; }
 
-expect 74 'the record server .* is for another participant, task, case or rubric' "$TREPHINE" play "$work/head_drilled" --lesson ventriculostomy \
+expect 74 'the record server .* is for another participant, task, case, rubric or second hand' "$TREPHINE" play "$work/head_drilled" --lesson ventriculostomy \
   --rubric "$work/ventriculostomy.json" --record "$work/late.lesson" --participant r-02 --record-server-port "$port"
 
 questions=
