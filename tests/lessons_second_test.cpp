@@ -108,7 +108,13 @@ TEST(SecondHand, IsJudgedByItsForceOnWhatItMustSpare) {
   EXPECT_EQ(points(watched(1, 3, 0)), 5);         // the skull bears it
   EXPECT_EQ(points(watched(2, 0.1, 2)), 1);       // in the brain
   EXPECT_EQ(points(watched(2, 3, 2, true)), -1);  // nothing counts in a pause, not even that it held something
-  EXPECT_EQ(points(watched(2, 3, 2, false, 1)), 5);
+  EXPECT_EQ(points(watched(2, 3, 2, false, haptics::haptic_fault::gap)), 5);
+  EXPECT_EQ(points(watched(2, 3, 2, false, haptics::haptic_fault::device_lost)), 0) << "not judged";
+  SecondHandFacts weak = watched(2, 0.1, 0);
+  weak.most_may_n = 0.15;
+  EXPECT_EQ(points(weak), 0) << "not judged: its device could not press harder";
+  weak.entered_s = 3, weak.entered = 2;
+  EXPECT_EQ(points(weak), 1) << "what it did wrong counts";
   EXPECT_EQ(points(watched(2, 0.1, 0), bleeding()), 1);  // 10 ml are left
   LessonScore none;
   judge_second_hand(none, LessonFacts(), rubric(), haptic());

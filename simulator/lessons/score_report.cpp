@@ -66,6 +66,7 @@ Json json_of(const LessonType& module, const LessonFacts& f) {
                           {"most_force_n", f.second->most_force_n},
                           {"most_force_s", f.second->most_force_s},
                           {"entered_s", f.second->entered_s < 0 ? Json(nullptr) : Json(f.second->entered_s)},
+                          {"lost_s", f.second->lost_s < 0 ? Json(nullptr) : Json(f.second->lost_s)},
                           {"suctions", f.second->suctions.size()}};
   out["from_scan"] = f.from_scan;
   if (f.from_volume) out["from_volume"] = true;

@@ -40,6 +40,8 @@ bool SecondHandWatch::takes_xrays(const haptics::ServoFrame& f) const {
 void SecondHandWatch::look(const haptics::ServoFrame& f, bool paused, bool idle, SecondHandFacts& facts) {
   if (paused) return;
   if (!held_.switch_only) facts.tool = held_.tool.name;
+  facts.most_may_n = held_.force.max_force_n;
+  if ((f.faults & ~haptics::haptic_fault::passing) != 0 && facts.lost_s < 0) facts.lost_s = f.time_s;
   if (f.faults != 0) return;
   const bool down = f.buttons & haptics::belt_button::pedal;
   facts.switch_s += down ? f.dt_s : 0;
@@ -48,11 +50,11 @@ void SecondHandWatch::look(const haptics::ServoFrame& f, bool paused, bool idle,
   if (const double force = norm(vec(f.force_n)); spared(f.touched) && force > facts.most_force_n) {
     facts.most_force_n = force;
     facts.most_force_s = f.time_s;
-    if (facts.entered_s < 0) facts.spared = f.touched;
+    facts.pressed = f.touched;
   }
   if (spared(f.inside) && facts.entered_s < 0) {
     facts.entered_s = f.time_s;
-    facts.spared = f.inside;
+    facts.entered = f.inside;
   }
   if (down && takes_up_) suck(f.time_s, f.dt_s, vec(f.proxy_mm), facts);
 }
@@ -141,9 +143,10 @@ void judge_second_hand(LessonScore& score, const LessonFacts& facts, const lesso
   row.beside = true;
   row.decided_s = f.most_force_n > 0 ? f.most_force_s : facts.end_s;
   row.score = limits.force_n.score(f.most_force_n);
-  row.why = f.most_force_n > 0 ? texts::Phrase("it pressed on {} with up to {} N",
-                                               {name_of_shape(haptic, f.spared), fmt::format("{:.2f}", f.most_force_n)})
-                               : texts::Phrase("it spared what it must spare");
+  row.why = f.most_force_n > 0
+                ? texts::Phrase("it pressed on {} with up to {} N",
+                                {name_of_shape(haptic, f.pressed), fmt::format("{:.2f}", f.most_force_n)})
+                : texts::Phrase("it spared what it must spare");
   row.measured = {{"second_force_n", f.most_force_n}};
   const auto add = [&](const char* of, const lesson::FourLimits& four) {
     row.limits.insert(row.limits.end(), {{std::string("five_") + of, four.five},
@@ -157,7 +160,16 @@ void judge_second_hand(LessonScore& score, const LessonFacts& facts, const lesso
     add("ml", limits.blood_left_ml);
     lower(row, limits.blood_left_ml.score(blood.left_ml), "blood was left where it bled", facts.end_s);
   }
-  if (f.entered_s >= 0) lower(row, 1, {"its tip was in {}", {name_of_shape(haptic, f.spared)}}, f.entered_s);
+  if (f.entered_s >= 0) lower(row, 1, {"its tip was in {}", {name_of_shape(haptic, f.entered)}}, f.entered_s);
+  // What its forces could not show speaks for nobody. What it did wrong counts.
+  const bool is_bounded = f.most_may_n < limits.force_n.two.limit;
+  if ((f.lost_s >= 0 || is_bounded) && row.score.value_or(1) > 1) {
+    row.score = {};
+    row.why = f.lost_s >= 0
+                  ? texts::Phrase("its device was lost after {} s", {fmt::format("{:.1f}", f.lost_s)})
+                  : texts::Phrase("its device gives at most {} N, which is too little to show how hard it pressed",
+                                  {fmt::format("{:.2f}", f.most_may_n)});
+  }
   score.rows.push_back(std::move(row));
 }
 

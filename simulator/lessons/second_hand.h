@@ -34,8 +34,11 @@ struct SecondHandFacts {
   std::string tool;  ///< empty: a switch alone
   double switch_s = 0;
   double most_force_n = 0, most_force_s = 0;  ///< on what it must spare
+  int pressed = 0;                            ///< the shape
   double entered_s = -1;                      ///< when its tip was first in that; -1: never
-  int spared = 0;                             ///< the shape of either
+  int entered = 0;                            ///< the shape
+  double most_may_n = 0;                      ///< no force of it may be larger, whatever it presses on
+  double lost_s = -1;                         ///< when its device was lost for good; -1: never
   std::vector<SuctionSpell> suctions;
 };
 
