@@ -61,7 +61,8 @@ class CommandQueue {
 
 class WitnessedDevice : public Device {
  public:
-  WitnessedDevice(std::unique_ptr<Device> device, int port, std::uint32_t session) : device_(std::move(device)) {
+  WitnessedDevice(std::unique_ptr<Device> device, int port, std::uint32_t session, const std::string& flag)
+      : device_(std::move(device)) {
     sockaddr_in to{};
     to.sin_family = AF_INET;
     to.sin_port = htons(std::uint16_t(port));
@@ -83,7 +84,7 @@ class WitnessedDevice : public Device {
     if (!answered) {
       if (socket_ >= 0) ::close(socket_);
       const std::string where = "at port " + std::to_string(port) + " of this machine";
-      throw Error(ExitCode::io, "", "--record-server-port",
+      throw Error(ExitCode::io, "", flag,
                   refused_ ? "the record server " + where +
                                  " is for another participant, task, case, rubric or second hand (--second-port, "
                                  "--second-tool), or is held by another window: start `trephine-sim record-server` "
@@ -192,8 +193,9 @@ class WitnessedDevice : public Device {
 
 }  // namespace
 
-std::unique_ptr<Device> with_witness(std::unique_ptr<Device> device, int port, std::uint32_t session) {
-  return std::make_unique<WitnessedDevice>(std::move(device), port, session);
+std::unique_ptr<Device> with_witness(std::unique_ptr<Device> device, int port, std::uint32_t session,
+                                     const std::string& flag) {
+  return std::make_unique<WitnessedDevice>(std::move(device), port, session, flag);
 }
 
 }  // namespace trephine::device

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "device/device.h"
 
@@ -14,7 +15,8 @@ namespace trephine::device {
 /// command is sent until a tick of the server took it.
 ///
 /// Throws Error 74 where nobody answers a first pose, of a tool that nobody holds, for 30 s, or where the server is for
-/// another lesson or held by another window.
-std::unique_ptr<Device> with_witness(std::unique_ptr<Device> device, int port, std::uint32_t session);
+/// another lesson or held by another window. `flag` named the port.
+std::unique_ptr<Device> with_witness(std::unique_ptr<Device> device, int port, std::uint32_t session,
+                                     const std::string& flag = "--record-server-port");
 
 }  // namespace trephine::device

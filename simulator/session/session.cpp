@@ -113,7 +113,8 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
     // Both at once: the server answers the first hand when it has heard of both.
     const std::uint32_t lesson = lesson_number(patient_->felt.case_sha256, options);
     std::future<std::unique_ptr<device::Device>> second = std::async(std::launch::async, [&] {
-      return device::with_witness(std::move(second_device_), options.second->record_server_port, lesson);
+      return device::with_witness(std::move(second_device_), options.second->record_server_port, lesson,
+                                  "--record-server-second-port");
     });
     device_ = device::with_witness(std::move(device_), options.record_server_port, lesson);
     second_device_ = second.get();
