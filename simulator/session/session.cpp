@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <future>
+#include <mutex>
 
 #include "base/error.h"
 #include "base/hash.h"
@@ -112,12 +114,23 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
   if (options.second && options.record_server_port > 0) {
     // Both at once: the server answers the first hand when it has heard of both.
     const std::uint32_t lesson = lesson_number(patient_->felt.case_sha256, options);
-    std::future<std::unique_ptr<device::Device>> second = std::async(std::launch::async, [&] {
-      return device::with_witness(std::move(second_device_), options.second->record_server_port, lesson,
-                                  "--record-server-second-port");
+    // Where one of them is refused the other waits in vain: what failed first is the reason.
+    std::mutex mutex;
+    std::exception_ptr reason;
+    const auto connect = [&](std::unique_ptr<device::Device>& to, int port, const char* flag) {
+      try {
+        to = device::with_witness(std::move(to), port, lesson, flag);
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        if (!reason) reason = std::current_exception();
+      }
+    };
+    std::future<void> second = std::async(std::launch::async, [&] {
+      connect(second_device_, options.second->record_server_port, "--record-server-second-port");
     });
-    device_ = device::with_witness(std::move(device_), options.record_server_port, lesson);
-    second_device_ = second.get();
+    connect(device_, options.record_server_port, "--record-server-port");
+    second.get();
+    if (reason) std::rethrow_exception(reason);
   }
   haptics::FrameQueue* queue = recording_ || options.watched ? &queue_ : nullptr;
   const haptics::PortParams& port = header_.port;
