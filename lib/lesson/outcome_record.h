@@ -103,7 +103,7 @@ struct OutcomeOpening {
     v.number(&P::confidence, "confidence", Range{0, 1}, "From 0.5 on it counts as found.");
     v.number(&P::error_mm, "error_mm", Range{0, 1e3},
              "Standard error of the registration in its middle, by leaving parts of the head out.");
-    v.list(&P::border, "border", "Places of the outer table along its border, about 4 mm apart at most in a wide one.");
+    v.list(&P::border, "border", "Places of the outer table along its border, each the farthest in one direction.");
   }
 };
 

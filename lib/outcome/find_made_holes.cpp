@@ -8,6 +8,7 @@
 
 #include "base/pi.h"
 #include "mask/filters.h"
+#include "outcome/line.h"
 
 namespace trephine::outcome {
 namespace {
@@ -286,15 +287,15 @@ std::optional<lesson::OutcomeOpening> opening_of(const CaseHead& head, const std
   const auto middle = passage_of(head, head.middle_mm, way, 140, least_bone_mm);
   o.middle_mm = head.middle_mm + way * (middle ? middle->outer_mm : norm(sum) / area_mm2);
   o.out = out_of_bone(head, o.middle_mm);
-  const Vec3 a = normalized(cross(o.out, std::abs(o.out.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0})), b = cross(o.out, a);
+  const Frame across(o.out);
   std::vector<const Stretch*> farthest(directions, nullptr);
   const auto off = [&](const Stretch& s) {
     const Vec3 d = s.outer_mm - o.middle_mm;
-    return std::hypot(dot(d, a), dot(d, b));
+    return std::hypot(dot(d, across.a), dot(d, across.b));
   };
   for (const Stretch& s : gap) {
     const Vec3 d = s.outer_mm - o.middle_mm;
-    const int n = int((std::atan2(dot(d, b), dot(d, a)) / (2 * pi) + 0.5) * directions) % directions;
+    const int n = int((std::atan2(dot(d, across.b), dot(d, across.a)) / (2 * pi) + 0.5) * directions) % directions;
     const Stretch*& most = farthest[std::size_t(n)];
     if (!most || off(s) > off(*most)) most = &s;
   }

@@ -63,12 +63,11 @@ std::vector<Middle> middles_of(const BlobChain& chain, const grid::Lattice& l) {
 }
 
 /// 1 in the chain, its gaps too; 2 in all other bone that is not just beyond its ends, where the joints are.
-grid::Mask seeds_of(const mask::BitMask& bone, const BlobChain& chain) {
+grid::Mask seeds_of(const mask::BitMask& bone, const BlobChain& chain, const std::vector<Middle>& middles) {
   const grid::Lattice& l = bone.lattice();
   grid::Mask seeds(l);
   const int reach = int(std::lround(joint_reach_mm / l.spacing_mm.x));
   const int from = chain.blobs.front().i, to = chain.blobs.back().i;
-  const std::vector<Middle> middles = middles_of(chain, l);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i) {
@@ -90,10 +89,9 @@ mask::BitMask of_chain(const grid::Mask& seeds) {
 }
 
 /// Also 2 in what lies beside the chain in its planes, and in what lies beyond them and joins it only by a narrow neck.
-void add_others(grid::Mask& seeds, const mask::BitMask& bone, const BlobChain& chain, double core_mm,
+void add_others(grid::Mask& seeds, const mask::BitMask& bone, const std::vector<Middle>& middles, double core_mm,
                 const Progress& progress) {
   const mask::BitMask mine = of_chain(seeds);
-  const std::vector<Middle> middles = middles_of(chain, seeds);
   const auto is_beside = [&](int i, int j, int k) {
     const Middle& at = middles[std::size_t(i)];
     return at.radius_mm == 0 || at.off_mm(j, k, seeds) > 1.4 * at.radius_mm;
@@ -141,8 +139,9 @@ Parted parted(const mask::BitMask& bone, const BlobChain& chain, const ClavicleP
     b.middle = b.middle - Vec3{double(box.begin[0]), double(box.begin[1]), double(box.begin[2])};
     for (Blob::Run& r : b.runs) r.k -= box.begin[2], r.begin -= box.begin[1], r.end -= box.begin[1];
   }
-  grid::Mask seeds = seeds_of(here, moved);
-  add_others(seeds, here, moved, p.core_mm, progress);
+  const std::vector<Middle> middles = middles_of(moved, l);
+  grid::Mask seeds = seeds_of(here, moved, middles);
+  add_others(seeds, here, middles, p.core_mm, progress);
   mask::BitMask air = here;
   air.invert();
   const grid::Mask labels = mask::flood(mask::distance_mm(air, progress), here, seeds, progress);
