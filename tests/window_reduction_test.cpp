@@ -100,3 +100,11 @@ TEST(Reduction, ASizeThatIsGivenIsTheOnlyOne) {
   EXPECT_EQ(r.level(), 4);
   EXPECT_EQ(r.coarse().within_mm, 1.2);
 }
+
+TEST(Reduction, AProcessorThatDrawsLeavesHalfOfItsCores) {
+  EXPECT_EQ(window::software_cost_ms(80, 120, 2), 120);
+  EXPECT_EQ(window::software_cost_ms(80, 120, 16), 80);
+  EXPECT_EQ(window::software_cost_ms(80, 1200, 16), 150);
+  EXPECT_EQ(window::software_cost_ms(80, 120, 1), 120) << "one core draws, too";
+  EXPECT_EQ(window::software_cost_ms(80, 120, 0), 120) << "nobody knows how many there are";
+}

@@ -174,9 +174,9 @@ ExitCode run_play(const cli::ParsedCommand& given) {
   std::cout << r.score;
   if (!r.score.empty()) std::cout << "report " << o.lesson->report.page.string() << "\n";
   std::cout << fmt::format(
-      "{} pictures in {:.1f} s, {:.1f} ms each (median), {:.0f} ms the longest, {:.0f} MB of "
+      "{} pictures in {:.1f} s, {:.1f} ms each and {:.1f} ms of CPU (medians), {:.0f} ms the longest, {:.0f} MB of "
       "graphics memory\n",
-      r.pictures, r.seconds, r.picture_ms, r.longest_ms, r.graphics_mb);
+      r.pictures, r.seconds, r.picture_ms, r.picture_cpu_ms, r.longest_ms, r.graphics_mb);
   Progress({}, &cancel_requested()).check();
   if (const std::uint32_t lasting = r.faults & ~haptics::haptic_fault::passing; lasting != 0)
     throw Error(ExitCode::io, "", "device", haptics::fault_names(lasting) + ": the force was zero from then on");

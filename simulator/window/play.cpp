@@ -3,10 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <time.h>
+
 #include <algorithm>
 #include <deque>
 #include <future>
 #include <optional>
+#include <thread>
 
 #include "base/error.h"
 #include "base/png.h"
@@ -23,6 +26,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 double since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
+double process_cpu_ms() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return 1e3 * double(t.tv_sec) + 1e-6 * double(t.tv_nsec);
+}
 
 constexpr std::size_t kept_times = 200;
 constexpr double cast_ms = 120;  // of rays while the view moves: at least five pictures a second with the rest
@@ -41,7 +49,8 @@ class Loop {
         window_(window),
         params_(params),
         hud_(window, params.letters, params.language),
-        reduction_(params.target_ms, options.view, params.fine_mm, player.view().stage().driver().software) {
+        software_(player.view().stage().driver().software),
+        reduction_(params.target_ms, options.view, params.fine_mm, software_) {
     screen_.panels_shown = params.panels;
     screen_.language = params.language;
     screen_.metal = params.xray_metal;
@@ -55,6 +64,7 @@ class Loop {
   bool turn(double wait_s, Remote* remote, HeadReceiver* head) {
     const std::vector<InputEvent>& events = window_.events(wait_s);
     const auto begin = Clock::now();
+    const double cpu_begin_ms = process_cpu_ms();
     const double wall_s = std::min(1.0, std::chrono::duration<double>(begin - last_).count());
     last_ = begin;
     int &width = screen_.cursor.width, &height = screen_.cursor.height;
@@ -72,24 +82,31 @@ class Loop {
     }
     window_.swap();
     if (window_.reset()) throw Error(ExitCode::io, "", "OpenGL", "the graphics driver was reset");
-    const double ms = 1000 * since(begin);
-    times_.push_back(ms);
-    if (times_.size() > kept_times) times_.pop_front();
+    const double ms = 1000 * since(begin), cpu_ms = process_cpu_ms() - cpu_begin_ms;
+    keep(times_, ms);
+    keep(cpu_times_, cpu_ms);
     shown_.ms = ms;
     shown_.per_s = wall_s > 0 ? 0.9 * shown_.per_s + 0.1 / std::max(wall_s, ms / 1000) : 0;
     ++pictures_;
-    if (width > 0 && height > 0) adapt(ms);  // a window that shows nothing is quick for no reason
+    if (width > 0 && height > 0)  // a window that shows nothing is quick for no reason
+      adapt(software_ ? software_cost_ms(ms, cpu_ms, std::thread::hardware_concurrency()) : ms);
     if (pictures_ > first_pictures) longest_ms_ = std::max(longest_ms_, 1000 * since(begin));
     return !window_.closed() && !player_.quits();
   }
 
   double typical_ms() const { return median(times_); }
+  double typical_cpu_ms() const { return median(cpu_times_); }
   double last_ms() const { return times_.empty() ? 0 : times_.back(); }
   std::uint64_t pictures() const { return pictures_; }
   double longest_ms() const { return longest_ms_; }
   const std::string& reduced() const { return reduced_; }
 
  private:
+  static void keep(std::deque<double>& times, double ms) {
+    times.push_back(ms);
+    if (times.size() > kept_times) times.pop_front();
+  }
+
   void reduce() {
     stages_ = player_.stages();
     player_.view().stage().set_quality(reduction_.view(), reduction_.scale(), reduction_.coarse(), cast_ms);
@@ -144,10 +161,11 @@ class Loop {
   Controls controls_;
   Screen screen_;
   Hud hud_;
+  const bool software_;
   Reduction reduction_;
   render::MirroredScreen mirrored_;
   PictureTimes shown_;
-  std::deque<double> times_;
+  std::deque<double> times_, cpu_times_;
   double longest_ms_ = 0;
   std::string reduced_;
   bool told_reduced_ = false;
@@ -224,6 +242,7 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
   outcome.faults = player->faults();
   outcome.graphics_mb = 1e-6 * double(player->view().stage().renderer().graphics_bytes());
   outcome.picture_ms = loop.typical_ms();
+  outcome.picture_cpu_ms = loop.typical_cpu_ms();
   outcome.longest_ms = loop.longest_ms();
   if (const lessons::ScoredLesson* scored = player->lesson() ? player->lesson()->scored() : nullptr) {
     lessons::ReportHead head = scored->head;

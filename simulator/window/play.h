@@ -29,9 +29,11 @@ struct WindowParams {
     v.integer(&P::screen_number, "screen_number", Range{0, 16},
               "Fill this screen, from 1 as the system counts them; 0: a window of that width and height.");
     v.number(&P::frames_per_s, "frames_per_s", Range{1, 500}, "Pictures a second, at most.");
-    v.number(&P::target_ms, "target_ms", Range{0, 10000},
-             "Time for a picture; where pictures take longer, some of what makes them good is left out, and the window "
-             "says what. 0: nothing is left out.");
+    v.number(
+        &P::target_ms, "target_ms", Range{0, 10000},
+        "Time for a picture, by the clock and, where the processor draws, by what half of its cores can do in it; "
+        "where pictures take longer, some of what makes them good is left out, and the window says what. 0: nothing "
+        "is left out.");
     v.number(
         &P::fine_mm, "fine_mm", Range{0, 1000},
         "Where surfaces are drawn coarser because pictures take too long, they stay whole so far around the tool's "
@@ -50,8 +52,9 @@ struct WindowParams {
 };
 
 struct PlayOutcome {
-  double first_picture_s = 0, seconds = 0, picture_ms = 0;  ///< picture_ms: the median of the last 200
-  double longest_ms = 0;                                    ///< of all but the first three pictures
+  double first_picture_s = 0, seconds = 0;
+  double picture_ms = 0, picture_cpu_ms = 0;  ///< medians of the last 200; of CPU what all threads of the program took
+  double longest_ms = 0;                      ///< of all but the first three pictures
   std::uint64_t pictures = 0;
   double graphics_mb = 0;    ///< at the end
   std::uint32_t faults = 0;  ///< of sessions (haptic_fault)

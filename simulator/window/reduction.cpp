@@ -19,6 +19,10 @@ constexpr double too_long_for[] = {1, 1.3, 1.7, 2.5};
 
 }  // namespace
 
+double software_cost_ms(double ms, double cpu_ms, unsigned cores) {
+  return std::max(ms, cpu_ms / std::max(1.0, 0.5 * cores));
+}
+
 Reduction::Reduction(double target_ms, const scene::ViewParams& whole, double fine_mm, bool software)
     : target_ms_(target_ms),
       whole_(whole),

@@ -9,6 +9,10 @@
 
 namespace trephine::window {
 
+/// What a picture costs where the processor draws: its time by the clock, or what all threads of the program took of
+/// CPU as half of the cores would have done it, whichever is more. The other half is left to the servo loop.
+double software_cost_ms(double ms, double cpu_ms, unsigned cores);
+
 /// Where pictures take longer than they should, their quality is reduced step by step, beginning with what is missed
 /// least: smooth edges and the darkening of creases; grain; triangles far from the tool, which become larger from step
 /// to step (coarse_sizes_mm), or at once where pictures take much too long; the tool's shadow and half of the pixels.
