@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "base/error.h"
+#include "cases/slicer_points.h"
 #include "head/head_landmarks.h"
 #include "scratch_folder.h"
 
@@ -36,7 +37,7 @@ TEST(Markups, BothCoordinateSystemsGiveTheSamePlaces) {
                           point("kocher-Right", "[-30, -40, 110]");
   const std::string ras = point("Nasion", "[-1.5, 95, 0]") + "," + point("Tragus left", "[-70, -0.0, -3.25]") + "," +
                           point("kocher-Right", "[30, 40, 110]");
-  const auto a = head::parse_slicer_markups(markups("LPS", lps)), b = head::parse_slicer_markups(markups("RAS", ras));
+  const auto a = cases::parse_slicer_markups(markups("LPS", lps)), b = cases::parse_slicer_markups(markups("RAS", ras));
   ASSERT_EQ(a.size(), 3u);
   ASSERT_EQ(b.size(), 3u);
   EXPECT_EQ(a[0].name, "nasion");
@@ -55,17 +56,17 @@ TEST(Markups, BothCoordinateSystemsGiveTheSamePlaces) {
 }
 
 TEST(Markups, UnplacedPointsAreLeftOut) {
-  const auto found = head::parse_slicer_markups(
+  const auto found = cases::parse_slicer_markups(
       markups("LPS", point("a", "[1, 2, 3]") + "," + point("b", "[0, 0, 0]", "undefined") + "," +
                          point("c", "[0, 0, 0]", "preview") + "," + point("d", "[0, 0, 0]", "missing") + "," +
                          R"({"label": "e", "positionStatus": "undefined"}, {"label": "f", "position": [4, 5, 6]})"));
   ASSERT_EQ(found.size(), 2u);
   EXPECT_EQ(found[1].name, "f");
   EXPECT_EQ(
-      head::parse_slicer_markups(markups("LPS", point("a", "[1, 2, 3]"), R"(, "coordinateUnits": ["mm", "mm", "mm"])"))
+      cases::parse_slicer_markups(markups("LPS", point("a", "[1, 2, 3]"), R"(, "coordinateUnits": ["mm", "mm", "mm"])"))
           .size(),
       1u);
-  EXPECT_EQ(head::parse_slicer_markups(markups("LPS", point("a", "[1, 2, 3]") + "," + point("A", "[1, 2, 3]"))).size(),
+  EXPECT_EQ(cases::parse_slicer_markups(markups("LPS", point("a", "[1, 2, 3]") + "," + point("A", "[1, 2, 3]"))).size(),
             1u);
 }
 
@@ -98,13 +99,13 @@ TEST(Markups, HostileFilesAreRefusedByField) {
       {std::string(100000, '['), "json"},
   };
   for (const auto& b : bad) {
-    const std::string told = refused([&] { head::parse_slicer_markups(b.text); });
+    const std::string told = refused([&] { cases::parse_slicer_markups(b.text); });
     EXPECT_EQ(told.substr(0, b.field.size() + 1), b.field + ":") << b.text.substr(0, 200) << "\n" << told;
   }
   // Every truncation is refused, none crashes.
   const std::string whole = markups("RAS", good + "," + point("b", "[4, 5, 6]"));
   for (std::size_t n = 0; n < whole.size(); ++n)
-    EXPECT_NE(refused([&] { head::parse_slicer_markups(std::string_view(whole).substr(0, n)); }), "");
+    EXPECT_NE(refused([&] { cases::parse_slicer_markups(std::string_view(whole).substr(0, n)); }), "");
 }
 
 TEST(Fcsv, ReadsTheTableOfEveryVersion) {
@@ -115,7 +116,7 @@ TEST(Fcsv, ReadsTheTableOfEveryVersion) {
       "2,7,8,9,0,0,0,1,1,1,0,unplaced,,,0,0\n";
   const std::string columns = "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n";
   for (const char* system : {"0", "RAS"}) {
-    const auto found = head::parse_slicer_fcsv(
+    const auto found = cases::parse_slicer_fcsv(
         "# Markups fiducial file version = 4.10\n# CoordinateSystem = " + std::string(system) + "\n" + columns + rows);
     ASSERT_EQ(found.size(), 2u);
     EXPECT_EQ(found[0].position_mm, (Vec3{-1, -2, 3}));
@@ -124,10 +125,10 @@ TEST(Fcsv, ReadsTheTableOfEveryVersion) {
     EXPECT_EQ(found[1].source, "given");
   }
   for (const char* system : {"1", "LPS"})
-    EXPECT_EQ(head::parse_slicer_fcsv("# CoordinateSystem = " + std::string(system) + "\n" + rows)[0].position_mm,
+    EXPECT_EQ(cases::parse_slicer_fcsv("# CoordinateSystem = " + std::string(system) + "\n" + rows)[0].position_mm,
               (Vec3{1, 2, 3}));
   // Columns in another order.
-  EXPECT_EQ(head::parse_slicer_fcsv("# CoordinateSystem = LPS\n# columns = label,z,y,x\nInion,3,2,1")[0].position_mm,
+  EXPECT_EQ(cases::parse_slicer_fcsv("# CoordinateSystem = LPS\n# columns = label,z,y,x\nInion,3,2,1")[0].position_mm,
             (Vec3{1, 2, 3}));
 }
 
@@ -140,7 +141,7 @@ TEST(Fcsv, HostileTablesAreRefused) {
         head + "1,1,2,3,0,0,0,1,1,1,0,\"a,,\n", std::string("# CoordinateSystem = 2\n1,1,2,3,0,0,0,1,1,1,0,a,,\n"),
         head + "# columns = id,x,y\n1,1,2,3,0,0,0,1,1,1,0,a,,\n", head + std::string(10000, ',') + "\n",
         head + "1,1,2,3,0,0,0,1,1,1,0,a,,\n2,1,2,4,0,0,0,1,1,1,0,A,,\n"})
-    EXPECT_NE(refused([&] { head::parse_slicer_fcsv(text); }), "") << text.substr(0, 80);
+    EXPECT_NE(refused([&] { cases::parse_slicer_fcsv(text); }), "") << text.substr(0, 80);
 }
 
 TEST(LandmarkFiles, AreToldByTheirEnding) {

@@ -2,7 +2,7 @@
 // A case's points as markups of 3D Slicer, and back.
 #include <gtest/gtest.h>
 
-#include "head/head_landmarks.h"
+#include "cases/slicer_points.h"
 #include "meshio/markups.h"
 
 namespace trephine {
@@ -23,14 +23,15 @@ TEST(Markups, ReadBackBitForBit) {
   const auto all = meshio::markups_of_case(m);
   ASSERT_EQ(all.size(), 3u);
   EXPECT_EQ(all[0].name, "landmarks");
-  const auto back = head::parse_slicer_markups(meshio::encode_slicer_markups(all[0]));
+  const auto back = cases::parse_slicer_markups(meshio::encode_slicer_markups(all[0]));
   ASSERT_EQ(back.size(), 2u);
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(back[i].name, m.landmarks[i].name);
     EXPECT_EQ(back[i].position_mm, m.landmarks[i].position_mm);
     EXPECT_EQ(back[i].source, "given");
   }
-  EXPECT_EQ(head::parse_slicer_markups(meshio::encode_slicer_markups(all[1]))[1].position_mm, m.targets[1].position_mm);
+  EXPECT_EQ(cases::parse_slicer_markups(meshio::encode_slicer_markups(all[1]))[1].position_mm,
+            m.targets[1].position_mm);
   EXPECT_EQ(meshio::encode_slicer_markups(all[0]), meshio::encode_slicer_markups(meshio::markups_of_case(m)[0]));
 }
 
@@ -45,7 +46,7 @@ TEST(Markups, TrajectoriesEndAbreastOfTheirTarget) {
       << line.points[1].description;
   const std::string text = meshio::encode_slicer_markups(line);
   EXPECT_NE(text.find("\"type\": \"Line\""), std::string::npos);
-  EXPECT_EQ(head::parse_slicer_markups(text)[1].name, "kocher_end");
+  EXPECT_EQ(cases::parse_slicer_markups(text)[1].name, "kocher_end");
 
   meshio::MarkupsParams params;
   params.trajectory_mm = 45;

@@ -10,6 +10,7 @@
 #include "base/write_file.h"
 #include "cases/case.h"
 #include "cases/glb.h"
+#include "cases/slicer_points.h"
 #include "cli/argument.h"
 #include "cli/command.h"
 #include "cli/progress_display.h"
@@ -18,7 +19,6 @@
 #include "export_print.h"
 #include "export_scene.h"
 #include "export_solids.h"
-#include "head/head_landmarks.h"
 #include "meshio/export_format.h"
 #include "meshio/markups.h"
 #include "meshio/read_mesh.h"
@@ -226,7 +226,7 @@ std::vector<meshio::ExportFile> markup_files(const cases::CaseManifest& manifest
   std::vector<meshio::ExportFile> files;
   for (const meshio::Markup& m : meshio::markups_of_case(manifest, params)) {
     files.push_back({m.name + "." + markups_format, meshio::encode_slicer_markups(m)});
-    const auto back = head::parse_slicer_markups(files.back().bytes);
+    const auto back = cases::parse_slicer_markups(files.back().bytes);
     for (std::size_t i = 0; i < m.points.size(); ++i)
       if (back.size() != m.points.size() || back[i].position_mm != m.points[i].position_mm)
         throw Error(ExitCode::io, files.back().name, m.points[i].label, "what is written does not read back");

@@ -2,8 +2,11 @@
 #include "head/head_landmarks.h"
 
 #include <cmath>
+#include <cstdint>
 #include <set>
 
+#include "base/write_file.h"
+#include "cases/slicer_points.h"
 #include "json/json_at.h"
 
 namespace trephine::head {
@@ -11,6 +14,8 @@ namespace {
 
 using json::Json;
 using json::JsonAt;
+
+constexpr std::uint64_t max_bytes = 4 << 20;
 
 Json value_of(Vec3 p) { return Json::array({p.x, p.y, p.z}); }
 
@@ -76,6 +81,28 @@ HeadLandmarks parse_landmarks_json(std::string_view text) {
     if (!names.insert(out.landmarks.back().name).second) item["name"].refuse("is there twice");
   }
   return out;
+}
+
+HeadLandmarks read_head_landmarks(const std::filesystem::path& file, ExitCode other_ending) {
+  const std::string name = file.filename().string();
+  const auto ends = [&](const std::string& end) {
+    return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
+  };
+  const bool table = ends(".fcsv"), markups = ends(".mrk.json");
+  if (!table && !markups && !ends(".json"))
+    throw Error(other_ending, file.string(), "landmarks", "must end in .mrk.json, .fcsv, or .json for our own");
+  const std::vector<char> bytes = read_file(file, max_bytes);
+  const std::string_view text(bytes.data(), bytes.size());
+  return with_file(file.string(), [&] {
+    HeadLandmarks points;
+    if (!table && !markups) return parse_landmarks_json(text);
+    points.landmarks = table ? cases::parse_slicer_fcsv(text) : cases::parse_slicer_markups(text);
+    return points;
+  });
+}
+
+std::vector<cases::CaseLandmark> read_landmark_file(const std::filesystem::path& file) {
+  return read_head_landmarks(file, ExitCode::usage).landmarks;
 }
 
 }  // namespace trephine::head

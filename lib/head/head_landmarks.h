@@ -41,17 +41,8 @@ Error landmark_fault(const std::string& name, const std::string& what);
 std::string landmarks_json(const HeadLandmarks& landmarks);
 HeadLandmarks parse_landmarks_json(std::string_view text);
 
-/// Reads points that a person placed, from 3D Slicer's markups JSON (.mrk.json; coordinateSystem LPS or RAS,
-/// orientation ignored, controlPoints by label, without those that are "undefined" or "preview") or its older table
-/// (.fcsv; "# CoordinateSystem = RAS | LPS | 0 | 1", where 0 means RAS in files before 4.10). The source is "given" and
-/// the confidence 1; labels become lower case, with underscores for blanks and hyphens. Throws Error 65 naming the
-/// field: no point, a name twice with different positions, a number that is not finite or beyond 1e5 mm, an unknown
-/// coordinate system or unit.
-std::vector<cases::CaseLandmark> parse_slicer_markups(std::string_view text);
-std::vector<cases::CaseLandmark> parse_slicer_fcsv(std::string_view text);
-
-/// Reads a file by its ending: .mrk.json, .fcsv, or .json for our own format. Throws Error 66; 65 as the parsers do,
-/// naming the file; and `other_ending` for any other ending.
+/// Reads a file by its ending: .mrk.json or .fcsv of 3D Slicer (cases/slicer_points.h), or .json for our own format.
+/// Throws Error 66; 65 as the parsers do, naming the file; and `other_ending` for any other ending.
 HeadLandmarks read_head_landmarks(const std::filesystem::path& file, ExitCode other_ending = ExitCode::bad_input);
 /// Only the points of a file; throws Error 64 for another ending.
 std::vector<cases::CaseLandmark> read_landmark_file(const std::filesystem::path& file);

@@ -25,6 +25,7 @@ constexpr double foramen_mm2 = 1300;  ///< a foramen magnum has 600 to 1,000 mm^
 constexpr double cut_side_mm2 = 150;  ///< of tissue at a side of the field of view: a head cut there
 constexpr int block_cells = 4;
 constexpr double cut_cavity_mm2 = 300;  ///< of the cavity at the top or bottom slice
+constexpr int open_cells = 8;
 
 /// The volume's axis nearest to the patient's superior direction, and whether its indices ascend with it.
 struct UpAxis {
@@ -210,16 +211,23 @@ Outcome<grid::HuVolume, HeadRegionResult> head_region(const grid::HuVolume& volu
   grid::Box skull_box = box;
   (up.ascends ? skull_box.begin : skull_box.end)[up.axis] = up.ascends ? foramen : n - foramen;
   const mask::BitMask upper = part_of(tissue, skull_box);
+  // A cavity ends before a gap of its bone that is wide, as where the field cuts the head: it goes on to the field's
+  // edge.
+  mask::BitMask soft = upper, open = cavity;
+  soft.remove(bone);
+  for (int n = 0; n < open_cells; ++n) open |= mask::both(mask::dilated_6(open), soft);
   CutAreas areas;
   for (int a = 0; a < 3; ++a) {
     if (a == up.axis) continue;
-    const std::vector<double> cut = areas_mm2(upper, a), of_bone = areas_mm2(mask::both(upper, bone), a),
-                              of_cavity = areas_mm2(cavity, a);
-    areas.tissue[a] = {cut.front(), cut.back()};
-    areas.bone[a] = {of_bone.front(), of_bone.back()};
-    areas.cavity[a] = {of_cavity.front(), of_cavity.back()};
+    const auto ends = [a](const mask::BitMask& of) -> std::array<double, 2> {
+      const std::vector<double> mm2 = areas_mm2(of, a);
+      return {mm2.front(), mm2.back()};
+    };
+    areas.tissue[a] = ends(upper);
+    areas.bone[a] = ends(mask::both(upper, bone));
+    areas.cavity[a] = ends(open);
   }
-  add_padded(hu, raster, upper, cavity, areas, progress.part(0.6, 0.9));
+  add_padded(hu, raster, upper, open, areas, progress.part(0.6, 0.9));
   for (int a = 0; a < 3; ++a)
     for (const bool last : {false, true}) {
       if (!(areas.tissue[a][last] > cut_side_mm2)) continue;
@@ -234,7 +242,7 @@ Outcome<grid::HuVolume, HeadRegionResult> head_region(const grid::HuVolume& volu
       if (!(areas.cavity[a][last] > cut_cavity_mm2)) continue;
       for (const char* shape : {"brain", "dura"}) add(shape);
       if (side == "below") add("brainstem");
-      if (side == "above")
+      if (side == "above" || side == "front" || side == "back")
         for (const char* shape : {"midline", "sagittal_sinus"}) add(shape);
     }
   result.cut = cuts.in_words();

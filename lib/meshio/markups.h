@@ -42,8 +42,8 @@ struct Markup {
 /// left out. Descriptions say source and confidence, diameter, and how far beside the end the target lies.
 std::vector<Markup> markups_of_case(const cases::CaseManifest& manifest, const MarkupsParams& params = {});
 
-/// The file's bytes; parse_slicer_markups reads the same positions back, bit for bit. Throws Error 70 where a line has
-/// not two points.
+/// The file's bytes; cases::parse_slicer_markups reads the same positions back, bit for bit. Throws Error 70 where a
+/// line has not two points.
 std::string encode_slicer_markups(const Markup& markup);
 
 }  // namespace trephine::meshio

@@ -22,6 +22,7 @@ namespace {
 constexpr double cut_sigma_mm = 1, inside_hu = 200, margin_mm = 3;
 constexpr double third_reach_mm = 6;    ///< from the template's third ventricle; a wide one reaches farther to the side
 constexpr double least_third_ml = 0.1;  ///< a slit has more
+constexpr double least_cavity_ml = 300;  ///< of a newborn; a half head, which nothing closes, has some tens
 constexpr double base_z = 20, air_hu = -300, min_air_ml = 0.3;
 constexpr double air_share = 0.25, near_air_mm = 4;
 constexpr float some_air_hu = -60;
@@ -294,11 +295,19 @@ double slab_mm(const grid::Lattice& l, const ZoneParams& params) {
   return std::max({params.half_width_mm, l.spacing_mm[int(across)], params.cell_mm});
 }
 
-void check(const grid::Lattice& l, const ZoneShapes& shapes, const ZoneParams& params) {
+void check(const mask::BitMask& cavity, const ZoneShapes& shapes, const ZoneParams& params) {
+  const grid::Lattice& l = cavity.lattice();
   const double coarsest = std::max({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z, params.cell_mm});
   if (params.what == Zone::dura && params.thickness_mm > 0 && params.thickness_mm < 2 * coarsest)
     throw Error(ExitCode::usage, "", "thickness_mm",
                 "is less than two voxels, which cannot hold a shell: give more, or 0 for all that the dura encloses");
+  if (const double ml = double(cavity.count()) * l.voxel_volume_mm3() / 1000; ml < least_cavity_ml)
+    throw refusal(
+        "",
+        fmt::format("the bone encloses {:.0f} ml, which is no whole cranial cavity (a newborn's has {:.0f} ml): "
+                    "where the scan's field cuts the head, nothing closes it",
+                    ml, least_cavity_ml),
+        {"take a scan that shows the skull on all sides, or a recipe without a brain, as ct_skull.yaml"});
   if (params.what == Zone::third_ventricle && !shapes.ventricles)
     throw Error(ExitCode::usage, "", "ventricles", "must be given: the third ventricle is a part of them");
 }
@@ -313,7 +322,7 @@ HeadPlace place_in_cavity(const mask::BitMask& cavity, const grid::Field* ventri
 
 Outcome<grid::Field, ZoneResult> find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes,
                                            const ZoneParams& said, const Progress& progress) {
-  check(cavity.lattice(), shapes, said);
+  check(cavity, shapes, said);
   Made made;
   ZoneParams params = said;
   params.half_width_mm = slab_mm(cavity.lattice(), said);

@@ -107,7 +107,8 @@ HeadPlace place_in_cavity(const mask::BitMask& cavity, const grid::Field* ventri
 /// What the scan holds against the zone is said as warnings (zone_doubts.h).
 /// Throws Error 64 where a shell is thinner than two voxels
 /// or the third ventricle has no ventricles; 65 where a field is on another raster; 80 where the template is not
-/// sure to fit, and where nothing of the zone lies in the scan. The same bits whatever the thread count.
+/// sure to fit, where nothing of the zone lies in the scan, and where the cavity has less than 300 ml, as of a head
+/// that the scan's field cuts in half. The same bits whatever the thread count.
 Outcome<grid::Field, ZoneResult> find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes,
                                            const ZoneParams& params, const Progress& progress = {});
 

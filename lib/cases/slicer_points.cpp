@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Points from 3D Slicer: markups JSON (Slicer's markups-schema-v1.0.x) and the comma-separated table before it.
+#include "cases/slicer_points.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 
 #include "base/text.h"
-#include "base/write_file.h"
-#include "head/head_landmarks.h"
 #include "json/json_at.h"
 
-namespace trephine::head {
+namespace trephine::cases {
 namespace {
 
 using json::Json;
@@ -19,7 +18,6 @@ using json::JsonAt;
 
 constexpr double farthest_mm = 1e5;
 constexpr std::size_t longest_name = 64, most_points = 10000;
-constexpr std::uint64_t max_bytes = 4 << 20;
 
 [[noreturn]] void refuse(const std::string& field, const std::string& what) {
   throw Error(ExitCode::bad_input, "", field, what);
@@ -47,7 +45,7 @@ class Points {
     if (ras) p = {-p.x, -p.y, p.z};
     // Not -0: what is written of it must not depend on the file's system.
     for (int a = 0; a < 3; ++a) p[a] += 0.0;
-    for (const cases::CaseLandmark& l : points_)
+    for (const CaseLandmark& l : points_)
       if (l.name == name) {
         if (l.position_mm != p) refuse(field, name + " is there twice, at different places");
         return;
@@ -55,13 +53,13 @@ class Points {
     if (points_.size() == most_points) refuse(field, "more than 10000 points");
     points_.push_back({name, p, 1, "given"});
   }
-  std::vector<cases::CaseLandmark> take(const std::string& field) {
+  std::vector<CaseLandmark> take(const std::string& field) {
     if (points_.empty()) refuse(field, "holds no point that was placed");
     return std::move(points_);
   }
 
  private:
-  std::vector<cases::CaseLandmark> points_;
+  std::vector<CaseLandmark> points_;
 };
 
 bool is_ras(const JsonAt& at) {
@@ -111,7 +109,7 @@ std::optional<std::string> header_value(const std::string& line, const std::stri
 
 }  // namespace
 
-std::vector<cases::CaseLandmark> parse_slicer_markups(std::string_view text) {
+std::vector<CaseLandmark> parse_slicer_markups(std::string_view text) {
   const Json parsed = json::parse_json(text);
   const JsonAt root(parsed, "");
   Points points;
@@ -134,7 +132,7 @@ std::vector<cases::CaseLandmark> parse_slicer_markups(std::string_view text) {
   return points.take("markups");
 }
 
-std::vector<cases::CaseLandmark> parse_slicer_fcsv(std::string_view text) {
+std::vector<CaseLandmark> parse_slicer_fcsv(std::string_view text) {
   Points points;
   std::optional<bool> ras;
   std::vector<std::string> columns{"id", "x", "y", "z", "ow", "ox", "oy", "oz", "vis", "sel", "lock", "label"};
@@ -181,26 +179,4 @@ std::vector<cases::CaseLandmark> parse_slicer_fcsv(std::string_view text) {
   return points.take("fcsv");
 }
 
-HeadLandmarks read_head_landmarks(const std::filesystem::path& file, ExitCode other_ending) {
-  const std::string name = file.filename().string();
-  const auto ends = [&](const std::string& end) {
-    return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
-  };
-  const bool table = ends(".fcsv"), markups = ends(".mrk.json");
-  if (!table && !markups && !ends(".json"))
-    throw Error(other_ending, file.string(), "landmarks", "must end in .mrk.json, .fcsv, or .json for our own");
-  const std::vector<char> bytes = read_file(file, max_bytes);
-  const std::string_view text(bytes.data(), bytes.size());
-  return with_file(file.string(), [&] {
-    HeadLandmarks points;
-    if (!table && !markups) return parse_landmarks_json(text);
-    points.landmarks = table ? parse_slicer_fcsv(text) : parse_slicer_markups(text);
-    return points;
-  });
-}
-
-std::vector<cases::CaseLandmark> read_landmark_file(const std::filesystem::path& file) {
-  return read_head_landmarks(file, ExitCode::usage).landmarks;
-}
-
-}  // namespace trephine::head
+}  // namespace trephine::cases

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Heads that the field of view cuts: what is said of brain and dura, and what is no cavity any more.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <string>
+
+#include "base/error.h"
+#include "head/head_region.h"
+#include "mask/hu_view.h"
+#include "phantom/head.h"
+#include "phantom/phantom.h"
+#include "place/cranium.h"
+#include "place/zones.h"
+
+namespace trephine {
+namespace {
+
+const grid::HuVolume& whole() {
+  static const grid::HuVolume volume = [] {
+    phantom::HeadParams who;
+    who.level = phantom::Level::clinical;
+    who.seed = 11;
+    phantom::ScanParams how;
+    how.columns_count = how.rows_count = 112;
+    how.pixel_mm = 2;
+    how.slices_count = 60;
+    how.slice_step_mm = how.slice_thickness_mm = 3;
+    how.subvoxel_mm = 2;
+    how.noise_hu = 6;
+    return phantom::volume_of(phantom::scan(phantom::Head(who), how));
+  }();
+  return volume;
+}
+
+/// The patient's left of the field is cut off beyond that column.
+grid::HuVolume cut_at(int column) {
+  return std::visit(
+      [&](const auto& g) {
+        grid::Box box = grid::whole_box(g);
+        box.end[0] = column;
+        return grid::HuVolume(grid::crop(g, box));
+      },
+      whole());
+}
+
+std::map<std::string, std::string> cuts_of(const grid::HuVolume& volume) {
+  const auto cut = head::head_region(volume, {}).result.cut;
+  return {cut.begin(), cut.end()};
+}
+
+}  // namespace
+
+TEST(HeadCut, ACavityThatNothingClosesAtTheFieldsEdgeIsCutThere) {
+  using Cuts = std::map<std::string, std::string>;
+  EXPECT_EQ(cuts_of(whole()), Cuts{});
+  const std::string left = "on its left side";
+  const Cuts deep{{"skin", left}, {"skull", left}, {"brain", left}, {"dura", left}};
+  EXPECT_EQ(cuts_of(cut_at(82)), deep);
+  EXPECT_EQ(cuts_of(cut_at(68)), deep);
+  EXPECT_EQ(cuts_of(cut_at(93)), (Cuts{{"skin", left}})) << "the scalp alone";
+}
+
+TEST(HeadCut, HalfAHeadHasNoZones) {
+  const grid::HuVolume half = cut_at(60);
+  const auto cavity = place::cranial_cavity(place::bone_of(mask::HuView(half)), {});
+  place::ZoneParams dura;
+  dura.what = place::Zone::dura;
+  try {
+    place::find_zone(cavity.value, {}, dura);
+    FAIL() << cavity.result.cranial_cavity_ml;
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::quality);
+    EXPECT_NE(std::string(e.what()).find("no whole cranial cavity"), std::string::npos) << e.what();
+  }
+}
+
+}  // namespace trephine
