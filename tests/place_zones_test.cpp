@@ -10,6 +10,7 @@
 #include "mask/hu_view.h"
 #include "phantom/head.h"
 #include "phantom/phantom.h"
+#include "place/brainstem.h"
 #include "place/cranium.h"
 #include "place/zone_doubts.h"
 #include "place/zones.h"
@@ -227,4 +228,34 @@ TEST(ZoneDoubts, NoZoneLiesInAirAndNoDuraHoldsFat) {
 }
 
 }  // namespace
+TEST(Brainstem, TheMedullaEndsInTheForamenThatTheScanShows) {
+  grid::Lattice l;
+  l.size = {100, 160, 100};
+  l.spacing_mm = {1, 1, 1};
+  l.origin_mm = {-50, -70, -60};
+  place::HeadPlace same;  // the template's own axes
+  same.centre_mm = same.to_lps({0, 0, 0}) * -1.0;
+  ASSERT_LT(norm(same.to_lps({1, 2, 3}) - Vec3{1, 2, 3}), 1e-9);
+  const auto end_with = [&](Vec3 foramen, double radius_mm) {
+    const mask::BitMask cavity = mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
+      for (int i = 0; i < l.size[0]; ++i) {
+        const Vec3 p = l.to_world_mm({double(i), double(j), double(k)}), to = p - foramen;
+        // A jugular foramen lies beside it.
+        const bool beside = to.x > 10 && to.x < 24 && std::abs(to.y) < 3;
+        row[i] = p.z > -16 ? norm(p - Vec3{0, 10, 30}) < 60 : std::hypot(to.x, to.y) < radius_mm || beside;
+      }
+    });
+    return place::find_medulla_end(cavity, same);
+  };
+  for (const Vec3 foramen : {Vec3{0, 27, 0}, Vec3{-4, 17, 0}, Vec3{3, 33, 0}}) {
+    const auto end = end_with(foramen, 15);
+    ASSERT_TRUE(end);
+    EXPECT_LT(std::hypot(end->x - foramen.x, end->y - foramen.y), 1.5) << end->x << ", " << end->y;
+    EXPECT_LT(place::brainstem_mm({foramen.x, foramen.y, -24}, *end), -4);
+  }
+  EXPECT_FALSE(end_with({0, 27, 0}, 24)) << "as wide as a posterior fossa";
+  EXPECT_FALSE(end_with({0, 27, 0}, 2)) << "closed";
+  EXPECT_FALSE(end_with({0, 48, 0}, 15)) << "no template lies so";
+}
+
 }  // namespace trephine

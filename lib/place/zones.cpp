@@ -13,6 +13,7 @@
 #include "mask/coarse.h"
 #include "mask/filters.h"
 #include "mask/surface_field.h"
+#include "place/brainstem.h"
 #include "place/third_ventricle.h"
 #include "place/zone_doubts.h"
 
@@ -62,18 +63,8 @@ grid::Box box_around(const mask::BitMask& cavity) {
   return grid::grown(cavity.bounds(), static_cast<int>(std::ceil(margin_mm / least)), all);
 }
 
-double stem_mm(Vec3 p) {
-  // As the synthetic head's, which follows an atlas: midbrain and pons, then the medulla down to the foramen magnum.
-  const auto capsule = [&](Vec3 a, Vec3 b, double r, double s) {
-    const Vec3 ab = b - a;
-    const double t = std::clamp(dot(p - a, ab) / dot(ab, ab), 0.0, 1.0);
-    return norm(p - (a + ab * t)) - (r + t * (s - r));
-  };
-  return std::min(capsule({0, 6, 30}, {0, 16, 4}, 11.5, 12), capsule({0, 16, 4}, {0, 27, -26}, 9, 6));
-}
-
 /// How far a place of the template lies within the zone as far as the template says it, mm.
-double template_mm(Vec3 t, double side_mm, const ZoneParams& params) {
+double template_mm(Vec3 t, double side_mm, const ZoneParams& params, Vec3 medulla_end) {
   switch (params.what) {
     case Zone::dura:
       return 1e3;
@@ -89,14 +80,14 @@ double template_mm(Vec3 t, double side_mm, const ZoneParams& params) {
       return std::min(lateral - third, third_reach_mm - third);
     }
     case Zone::brainstem:
-      return -stem_mm(t);
+      return -brainstem_mm(t, medulla_end);
   }
   return -1e3;
 }
 
 /// The part of the box in which the template has something of the zone, with room for distances around it.
 grid::Box box_of_template(const grid::Lattice& l, const grid::Box& box, const HeadPlace& place,
-                          const ZoneParams& params) {
+                          const ZoneParams& params, Vec3 medulla_end) {
   constexpr int step = 4;
   constexpr double room_mm = 12;
   grid::Box out{box.end, box.begin};
@@ -104,7 +95,7 @@ grid::Box box_of_template(const grid::Lattice& l, const grid::Box& box, const He
     for (int j = box.begin[1]; j < box.end[1]; j += step)
       for (int i = box.begin[0]; i < box.end[0]; i += step) {
         const Vec3 t = place.to_template(l.to_world_mm({double(i), double(j), double(k)}));
-        if (template_mm(t, std::abs(t.x) * place.scale.x, params) < -room_mm) continue;
+        if (template_mm(t, std::abs(t.x) * place.scale.x, params, medulla_end) < -room_mm) continue;
         const int at[3] = {i, j, k};
         for (std::size_t a = 0; a < 3; ++a) {
           out.begin[a] = std::min(out.begin[a], at[a]);
@@ -137,7 +128,7 @@ void keep_near_template(grid::Field& wall, const HeadPlace& place, const ZonePar
       for (int j = 0; j < wall.size[1]; ++j)
         for (int i = 0; i < wall.size[0]; ++i) {
           const Vec3 t = place.to_template(wall.to_world_mm({double(i), double(j), double(k)}));
-          const double room_mm = params.max_beyond_mm - std::min(template_cavity_mm(t), stem_mm(t) - stem_room_mm);
+          const double room_mm = params.max_beyond_mm - std::min(template_cavity_mm(t), brainstem_mm(t) - stem_room_mm);
           float& v = wall.at(i, j, k);
           if (v > 0 && room_mm <= 0) ++cut[std::size_t(k)];
           v = std::min(v, static_cast<float>(room_mm == 0 ? -1e-6 : room_mm));
@@ -355,7 +346,12 @@ Outcome<grid::Field, ZoneResult> find_zone(const mask::BitMask& cavity, const Zo
     throw refusal("", std::string("where the ") + name_of(params.what) + " lies is not sure: the template fits badly",
                   {"take the zone out of the scene, or bring it as labels by the stage `labels`"});
   // What the scan itself shows: the inner table, or of the third ventricle the ventricles' walls.
-  const grid::Box box = box_of_template(cavity.lattice(), whole, place, params);
+  Vec3 medulla_end = template_medulla_end;
+  if (const auto end = params.what == Zone::brainstem ? find_medulla_end(cavity, place) : std::nullopt) {
+    made.result.medulla_shift_mm = norm(*end - medulla_end);
+    medulla_end = *end;
+  }
+  const grid::Box box = box_of_template(cavity.lattice(), whole, place, params, medulla_end);
   grid::Field seen;
   if (params.what == Zone::third_ventricle) {
     constexpr float far = -1e3f;
@@ -382,7 +378,7 @@ Outcome<grid::Field, ZoneResult> find_zone(const mask::BitMask& cavity, const Zo
           const Vec3 t = place.to_template(zone.to_world_mm({double(i), double(j), double(k)}));
           const std::size_t n = zone.index(i, j, k);
           const double in_mm = seen.voxels[n];
-          double mm = std::min(template_mm(t, std::abs(t.x) * place.scale.x, params), in_mm);
+          double mm = std::min(template_mm(t, std::abs(t.x) * place.scale.x, params, medulla_end), in_mm);
           if (params.what == Zone::sagittal_sinus) mm = std::min(mm, params.sinus_depth_mm - in_mm);
           // No voxel is 0, and the field is the same far away: it holds a surface and nothing else.
           zone.voxels[n] = static_cast<float>(std::clamp(mm == 0 ? -1e-6 : mm, -10.0, 10.0));

@@ -73,7 +73,8 @@ struct ZoneResult {
   std::optional<double> beyond_ml;  ///< of the dura, cut off beyond the template's cavity
   std::optional<double> air_ml;     ///< of the dura, left out as air of sinuses and bone cells
   std::optional<PlaceFigures> place;
-  std::optional<double> third_shift_mm;  ///< how far the third ventricle lies to the left of the midline
+  std::optional<double> third_shift_mm;    ///< how far the third ventricle lies to the left of the midline
+  std::optional<double> medulla_shift_mm;  ///< of the brainstem: of the medulla's end from the template's
   double volume_ml = 0;
   template <class V>
   static void describe(V& v) {
@@ -83,6 +84,7 @@ struct ZoneResult {
     v.number(&P::air_ml, "air_ml", "Air of sinuses and bone cells that was left out.");
     v.all_of(&P::place);
     v.number(&P::third_shift_mm, "third_shift_mm", "How far the third ventricle lies to the left of the midline.");
+    v.number(&P::medulla_shift_mm, "medulla_shift_mm", "How far the medulla's end lies beside the template's.");
     v.number(&P::volume_ml, "volume_ml", Range{}, "Volume of the zone.");
   }
 };
@@ -97,9 +99,10 @@ HeadPlace place_in_cavity(const mask::BitMask& cavity, const grid::Field* ventri
 /// inner table (to a fraction of a voxel), the ventricles' walls. The sinus is the cavity's part under the vault within
 /// sinus_half_width_mm of the midline and sinus_depth_mm of the inner table, from above the frontal sinuses to above
 /// the inner occipital protuberance: larger than the vessel, which a plain CT does not show. The brainstem is the
-/// template's. Of the ventricles near the template's third one, what goes on from side to side beyond 9 mm of the
-/// midline is lateral; where a mass or a bleed has moved the third one to the side, it is followed there
-/// (third_ventricle.h), and less than 0.1 ml of it are none.
+/// template's, but for the medulla's end, which lies in the foramen magnum that the scan shows (brainstem.h). Of the
+/// ventricles near the template's third one, what goes on from side to side beyond 9 mm of the midline is lateral;
+/// where a mass or a bleed has moved the third one to the side, it is followed there (third_ventricle.h), and less than
+/// 0.1 ml of it are none.
 ///
 /// Of the dura, what reaches max_beyond_mm beyond the template's cavity is cut off, with a warning above
 /// 3 ml, and so is the air of sinuses and bone cells at the skull's base, with their walls and what is left between

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "place/brainstem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace trephine::place {
+namespace {
+
+constexpr Vec3 midbrain{0, 6, 30}, pons_end{0, 16, 4};
+// Levels of the template at which a cavity is as wide as a foramen magnum, and how far to both sides, before and behind
+// its middle it is looked for.
+constexpr double first_z = -28, last_z = -20, level_mm = 2, reach_mm = 30;
+constexpr double foramen_mm2[2] = {250, 1300}, most_beside_mm = 15;
+
+double capsule_mm(Vec3 p, Vec3 a, Vec3 b, double radius_a, double radius_b) {
+  const Vec3 ab = b - a;
+  const double t = std::clamp(dot(p - a, ab) / dot(ab, ab), 0.0, 1.0);
+  return norm(p - (a + ab * t)) - (radius_a + t * (radius_b - radius_a));
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+}  // namespace
+
+double brainstem_mm(Vec3 p, Vec3 medulla_end) {
+  return std::min(capsule_mm(p, midbrain, pons_end, 11.5, 12), capsule_mm(p, pons_end, medulla_end, 9, 6));
+}
+
+std::optional<Vec3> find_medulla_end(const mask::BitMask& cavity, const HeadPlace& place) {
+  const double unit_mm2 = place.scale.x * place.scale.y;
+  std::vector<double> x,
+      y;  // of all that is cavity at levels that are foramen; medians, for jugular foramina lie beside
+  for (double z = first_z; z <= last_z; z += level_mm) {
+    const std::size_t before = x.size();
+    for (double side = -reach_mm; side <= reach_mm; ++side)
+      for (double back = -reach_mm; back <= reach_mm; ++back) {
+        const Vec3 t{template_medulla_end.x + side, template_medulla_end.y + back, z},
+            at = cavity.lattice().to_index(place.to_lps(t));
+        if (!cavity.at(int(std::lround(at.x)), int(std::lround(at.y)), int(std::lround(at.z)))) continue;
+        x.push_back(t.x);
+        y.push_back(t.y);
+      }
+    const double mm2 = double(x.size() - before) * unit_mm2;
+    if (mm2 > foramen_mm2[0] && mm2 < foramen_mm2[1]) continue;
+    x.resize(before);
+    y.resize(before);
+  }
+  if (x.empty()) return {};
+  const Vec3 end{median(x), median(y), template_medulla_end.z};
+  if (norm(end - template_medulla_end) > most_beside_mm) return {};
+  return end;
+}
+
+}  // namespace trephine::place
