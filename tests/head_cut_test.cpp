@@ -61,6 +61,20 @@ TEST(HeadCut, ACavityThatNothingClosesAtTheFieldsEdgeIsCutThere) {
   EXPECT_EQ(cuts_of(cut_at(93)), (Cuts{{"skin", left}})) << "the scalp alone";
 }
 
+TEST(HeadCut, SlicesAtAWrongDistanceMakeAHeadOfUnusualProportions) {
+  const auto warned = [](double slices) {
+    grid::HuVolume volume = whole();
+    std::visit([&](auto& g) { g.spacing_mm.z *= slices; }, volume);
+    for (const Warning& w : head::head_region(volume, {}).warnings)
+      if (w.id == "unusual_proportions") return true;
+    return false;
+  };
+  EXPECT_FALSE(warned(1));
+  EXPECT_FALSE(warned(1.1));
+  EXPECT_TRUE(warned(0.6));
+  EXPECT_TRUE(warned(1.5));
+}
+
 TEST(HeadCut, HalfAHeadHasNoZones) {
   const grid::HuVolume half = cut_at(60);
   const auto cavity = place::cranial_cavity(place::bone_of(mask::HuView(half)), {});

@@ -26,6 +26,7 @@ constexpr double cut_side_mm2 = 150;  ///< of tissue at a side of the field of v
 constexpr int block_cells = 4;
 constexpr double cut_cavity_mm2 = 300;  ///< of the cavity at the top or bottom slice
 constexpr int open_cells = 8;
+constexpr double usual_height_ratio[2] = {0.72, 1.35};  ///< six given heads 0.90 to 1.10, phantoms 1.03 to 1.08
 
 /// The volume's axis nearest to the patient's superior direction, and whether its indices ascend with it.
 struct UpAxis {
@@ -61,6 +62,7 @@ class Cuts {
     for (const char* shape : shapes) add_once(of_[shape].ends, end);
   }
   void add_side(const char* shape, const std::string& side) { add_once(of_[shape].sides, side); }
+  bool any_of(const char* shape) const { return of_.count(shape) > 0; }
   Named<std::string> in_words() const {
     Named<std::string> out;
     for (const auto& [shape, where] : of_) {
@@ -142,6 +144,22 @@ void add_padded(const mask::HuView& hu, const mask::CoarseRaster& raster, const 
     out.bone[side / 2][side % 2] += mm2 * block.bone / block.all;
     out.cavity[side / 2][side % 2] += mm2 * block.cavity / block.all;
   }
+}
+
+/// How high the cavity is, by how wide, by its moments; a nod changes neither by much.
+double height_to_width(const mask::BitMask& cavity) {
+  const grid::Lattice& l = cavity.lattice();
+  const Vec3 centre = cavity.centre_mm();
+  double xx = 0, xy = 0, yy = 0, zz = 0;
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i) {
+        if (!cavity.get(i, j, k)) continue;
+        const Vec3 p = l.to_world_mm({double(i), double(j), double(k)}) - centre;
+        xx += p.x * p.x, xy += p.x * p.y, yy += p.y * p.y, zz += p.z * p.z;
+      }
+  const double narrow = 0.5 * (xx + yy) - std::hypot(0.5 * (xx - yy), xy);  // of the axes of its section
+  return narrow > 0 ? std::sqrt(zz / narrow) : 0;
 }
 
 }  // namespace
@@ -246,6 +264,16 @@ Outcome<grid::HuVolume, HeadRegionResult> head_region(const grid::HuVolume& volu
         for (const char* shape : {"midline", "sagittal_sinus"}) add(shape);
     }
   result.cut = cuts.in_words();
+  if (!cuts.any_of("brain")) {
+    const double ratio = height_to_width(cavity);
+    result.cavity_height_ratio = ratio;
+    if (ratio < usual_height_ratio[0] || ratio > usual_height_ratio[1])
+      warnings.push_back(
+          {"unusual_proportions",
+           "the cranial cavity is {height_ratio:.2f} times as high as wide, where heads have 0.9 to 1.1: "
+           "the distance between its slices may be wrong; compare it with the scan's protocol",
+           {{"height_ratio", ratio}}});
+  }
 
   grid::Box fine;
   for (int a = 0; a < 3; ++a) {

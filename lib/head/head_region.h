@@ -28,6 +28,7 @@ struct HeadRegionResult {
   /// Of each shape of a head that the scan's end or the field's edge cuts, where: "above", "below", "on its left side",
   /// "above and on its left and back side".
   Named<std::string> cut;
+  std::optional<double> cavity_height_ratio;  ///< to its width; not of a cavity that is cut
   std::optional<double> region_ml;
   std::optional<bool> neck_cut;
   template <class V>
@@ -36,6 +37,8 @@ struct HeadRegionResult {
     v.number(&P::cranial_cavity_ml, "cranial_cavity_ml", "Volume of the cranial cavity.");
     v.number(&P::foramen_z_mm, "foramen_z_mm", "Level of the foramen magnum, LPS.");
     v.map(&P::cut, "cut", "Where the scan cuts a shape, by its name.").items_between("", "_cut").not_always();
+    v.number(&P::cavity_height_ratio, "cavity_height_ratio",
+             "The cranial cavity's height to its width, by its moments.");
     v.number(&P::region_ml, "region_ml", "Volume of the region.");
     v.flag(&P::neck_cut, "neck_cut", "Whether it is cut through the neck.");
   }
@@ -50,9 +53,10 @@ struct HeadRegionResult {
 /// show: the vertex or the base of the skull (the cavity reaches the volume's end), the skin of the vertex (tissue
 /// reaches it), or a side of the head that the field of view cuts by more than 150 mm2, be it the volume's side or
 /// padding (mask/field_edge.h), above the foramen magnum. Brain and dura are cut there, too, where the cavity, followed
-/// by 16 mm to the field's edge as far as no bone lies between, has 300 mm2 at it. Where no space enclosed by bone is
-/// found, the volume stays as it is and a warning says so. Throws Error 65 where a voxel is not finite; Cancelled. The
-/// result has the same bits whatever the thread count.
+/// by 16 mm to the field's edge as far as no bone lies between, has 300 mm2 at it. A cavity
+/// that is not cut and is flatter or taller than heads are is said, as of slices whose distance is wrong. Where no
+/// space enclosed by bone is found, the volume stays as it is and a warning says so. Throws Error 65 where a voxel is
+/// not finite; Cancelled. The result has the same bits whatever the thread count.
 Outcome<grid::HuVolume, HeadRegionResult> head_region(const grid::HuVolume& volume, const HeadRegionParams& params,
                                                       const Progress& progress = {});
 

@@ -43,6 +43,9 @@ Kinds make_kinds() {
        "implausible_ventricles_volume", "implausible_evans_index", "implausible_shift", "noisy", "denoised_horns",
        "unsuited_scan"});
   add(k, Severity::wrong, {"ventricles", "third_ventricle"}, {"no_foramen", "no_third_ventricle"});
+  add(k, Severity::wrong,
+      {"skin", "skull", "brain", "ventricles", "dura", "midline", "sagittal_sinus", "third_ventricle", "brainstem"},
+      {"unusual_proportions"});
   add(k, Severity::wrong, {"clavicle", "vein"}, {"no_clavicle"});
   add(k, Severity::wrong, {"lung", "pleura"}, {"lung_interrupted", "lung_ends_early"});
   add(k, Severity::note, {},
