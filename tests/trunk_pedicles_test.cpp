@@ -2,6 +2,7 @@
 // Pedicles of a spine whose axes are known: found, refused, and doubted.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
@@ -66,6 +67,23 @@ TEST(Pedicles, AxesAreWithinAMillimetreAndTwoDegreesOfTheTruth) {
 }
 
 // Slices further apart than the hole that a vessel makes.
+TEST(Pedicles, LevelsAtAWrongDistanceAreSaid) {
+  const Spine spine{SpineParams()};
+  const grid::Lattice l = lattice_of_spine(spine);
+  const grid::Field bone = field_of(l, [&](Vec3 p) { return spine.bone(p); }),
+                    canal = field_of(l, [&](Vec3 p) { return spine.canal(p); });
+  const auto warned = [&](double slices) {
+    grid::Field near = bone, canal_near = canal;
+    near.spacing_mm.z *= slices;
+    canal_near.spacing_mm.z *= slices;
+    const auto found = trunk::find_pedicles(near, canal_near, {});
+    return std::any_of(found.warnings.begin(), found.warnings.end(),
+                       [](const Warning& w) { return w.id == "unusual_levels"; });
+  };
+  EXPECT_FALSE(warned(1));
+  EXPECT_TRUE(warned(0.55));
+}
+
 TEST(LongPedicles, AreFoundInSlicesOfTwoAndAHalfAndThreeMillimetres) {
   const Spine spine;
   for (const double slice_mm : {2.5, 3.0}) {

@@ -46,6 +46,7 @@ Kinds make_kinds() {
   add(k, Severity::wrong,
       {"skin", "skull", "brain", "ventricles", "dura", "midline", "sagittal_sinus", "third_ventricle", "brainstem"},
       {"unusual_proportions"});
+  add(k, Severity::wrong, {"skin", "bone", "canal"}, {"unusual_levels"});
   add(k, Severity::wrong, {"clavicle", "vein"}, {"no_clavicle"});
   add(k, Severity::wrong, {"lung", "pleura"}, {"lung_interrupted", "lung_ends_early"});
   add(k, Severity::note, {},
