@@ -26,31 +26,26 @@ grid::Field block() {
 
 TEST(ClosedSolid, HasNoCavitiesAndNoCrumbs) {
   const grid::Field f = block();
-  const auto closed = mask::closed_solid(f, 10);
-  ASSERT_TRUE(closed);
+  const std::vector<bool> turned = mask::turned_by_contour(f, 10);
+  ASSERT_EQ(turned.size(), f.count());
   for (std::size_t v = 0; v < f.voxels.size(); ++v) {
     const int i = int(v % 40), j = int(v / 40 % 30), k = int(v / 1200);
     const bool in_block = std::min({i, j, k}) >= 2 && std::max({i, j, k}) < 16, long_piece = j == 20 && f.voxels[v] > 0;
-    ASSERT_EQ(closed->voxels[v] > 0, in_block || long_piece) << i << " " << j << " " << k;
-    // What was not filled or dropped is as it was.
-    if ((closed->voxels[v] > 0) == (f.voxels[v] > 0)) {
-      ASSERT_EQ(closed->voxels[v], f.voxels[v]);
-    } else {
-      ASSERT_EQ(closed->voxels[v], -f.voxels[v]);
-    }
+    ASSERT_EQ((f.voxels[v] > 0) != turned[v], in_block || long_piece) << i << " " << j << " " << k;
   }
-  const auto all = mask::closed_solid(f, 0);
-  ASSERT_TRUE(all);
-  EXPECT_GT(all->at(21, 4, 4), 0);
+  EXPECT_FALSE(mask::turned_by_contour(f, 0)[f.index(21, 4, 4)]);
 }
 
-// The largest piece stays whatever its size, and a solid that is closed already is nothing to copy.
+// The largest piece stays whatever its size, and in a solid that is closed already nothing is turned.
 TEST(ClosedSolid, IsNothingWhereAFieldIsOneAlready) {
-  const auto closed = mask::closed_solid(block(), 1e6);
-  ASSERT_TRUE(closed);
-  EXPECT_GT(closed->at(3, 3, 3), 0);
-  EXPECT_LT(closed->at(21, 20, 9), 0);
-  EXPECT_FALSE(mask::closed_solid(*closed, 1e6));
+  grid::Field f = block();
+  const std::vector<bool> turned = mask::turned_by_contour(f, 1e6);
+  ASSERT_EQ(turned.size(), f.count());
+  EXPECT_FALSE(turned[f.index(3, 3, 3)]);
+  EXPECT_TRUE(turned[f.index(21, 20, 9)]);
+  for (std::size_t v = 0; v < f.count(); ++v)
+    if (turned[v]) f.voxels[v] = -f.voxels[v];
+  EXPECT_TRUE(mask::turned_by_contour(f, 1e6).empty());
 }
 
 }  // namespace

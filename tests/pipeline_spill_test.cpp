@@ -116,6 +116,65 @@ TEST(Spill, WhatWaitsLeavesTheMemoryAndComesBackAsItWas) {
   set_thread_count(0);
 }
 
+// A surface is not written, however large; what else waits is, also after it.
+TEST(Spill, ALargeSurfaceThatWaitsKeepsNothingElseInMemory) {
+  const ScratchFolder scratch;
+  if (takes_nothing(scratch.path())) GTEST_SKIP() << "the temporary folder has less than 1 GB, or lies in memory";
+  set_thread_count(1);
+  Nodes n;
+  std::weak_ptr<const grid::Field> field;
+  bool gone = false;
+  const int surface = n.add("a", {}, [&](const stages::StageInputs&) {
+    auto made = std::make_shared<surface::TriMesh>();
+    made->triangles.resize(2000000);
+    return std::shared_ptr<const surface::TriMesh>(std::move(made));
+  });
+  const int large_field = n.add("b", {}, [&](const stages::StageInputs&) {
+    auto made = std::make_shared<const grid::Field>(large(1));
+    field = made;
+    return made;
+  });
+  n.add("c", {}, [&](const stages::StageInputs&) {
+    gone = field.expired();
+    return std::make_shared<const grid::Field>();
+  });
+  pipeline::ExecuteOptions options;
+  options.spill = scratch.path();
+  Silent silent;
+  const auto results = pipeline::execute(n.graph, {surface, large_field}, options, silent);
+  EXPECT_TRUE(gone);
+  EXPECT_EQ(results[std::size_t(surface)].data.index(),
+            stages::StageData(std::shared_ptr<const surface::TriMesh>()).index());
+  set_thread_count(0);
+}
+
+// Where a stage reads nothing but the lattice, the voxels stay on disk; the next reader has them all.
+TEST(Spill, ALatticeIsReadWithoutItsVoxels) {
+  const ScratchFolder scratch;
+  if (takes_nothing(scratch.path())) GTEST_SKIP() << "the temporary folder has less than 1 GB, or lies in memory";
+  set_thread_count(1);
+  Nodes n;
+  const int a =
+      n.add("a", {}, [](const stages::StageInputs&) { return std::make_shared<const grid::Field>(large(1)); });
+  n.add("b", {}, [](const stages::StageInputs&) { return std::make_shared<const grid::Field>(); });
+  std::vector<std::size_t> voxels;
+  const auto look = [&](const stages::StageInputs& in) {
+    const auto& field = *in.get<grid::Field>("p0");
+    EXPECT_EQ(static_cast<const grid::Lattice&>(field), static_cast<const grid::Lattice&>(large(1)));
+    voxels.push_back(field.voxels.size());
+    return std::make_shared<const grid::Field>();
+  };
+  n.add("c", {a}, look);
+  n.types.back()->ports[0].lattice_does = [](const AnyParams&) { return true; };
+  n.add("d", {a}, look);
+  pipeline::ExecuteOptions options;
+  options.spill = scratch.path();
+  Silent silent;
+  pipeline::execute(n.graph, {}, options, silent);
+  EXPECT_EQ(voxels, (std::vector<std::size_t>{0, large(1).count()}));
+  set_thread_count(0);
+}
+
 TEST(Spill, ManyReadersAtOnceReadTheSame) {
   const ScratchFolder scratch;
   const grid::Field truth = large(3);

@@ -214,10 +214,13 @@ TEST(HeadGraph, TheOutlineOfWhatIsMissingIsInThePicture) {
         for (int i = 10; i < 50; ++i) scan.at(i, j, k) = hu;
   };
   fill(10, 40, 40);
-  const grid::HuVolume body = scan;
+  const auto held = [](const grid::Grid<std::int16_t>& hu) {
+    return [of = std::make_shared<const grid::HuVolume>(hu)] { return of; };
+  };
+  const auto body = held(scan);
   EXPECT_FALSE(publish::make_removed_picture(body, body, "body")) << "nothing is missing";
   fill(48, 54, -500);  // a cushion
-  const auto picture = publish::make_removed_picture(scan, body, "body");
+  const auto picture = publish::make_removed_picture(held(scan), body, "body");
   ASSERT_TRUE(picture);
   EXPECT_EQ(picture->name, "removed_by_body.png");
   const picture::Image image = picture::decode_png(picture->png);
@@ -235,7 +238,7 @@ TEST(HeadGraph, TheOutlineOfWhatIsMissingIsInThePicture) {
   EXPECT_GT(red(400, 640), 500);
   grid::Lattice other = lattice;
   other.size[0] = 50;
-  EXPECT_THROW(publish::make_removed_picture(scan, grid::Grid<std::int16_t>(other), "body"), Error);
+  EXPECT_THROW(publish::make_removed_picture(held(scan), held(grid::Grid<std::int16_t>(other)), "body"), Error);
 }
 
 TEST(HeadGraph, TheFaceIsGoneBeforeAnythingIsMade) {

@@ -103,11 +103,30 @@ TEST(FieldSolid, SameBytesWhateverTheThreadCount) {
   std::vector<grid::Grid<std::uint8_t>> made;
   for (const int threads : {1, 2, 4}) {
     set_thread_count(threads);
-    made.push_back(voxel::detail::solid_occupancy(field, l, {}));
+    made.push_back(voxel::detail::solid_occupancy(field, {}, l, {}));
   }
   set_thread_count(0);
   EXPECT_EQ(made[0], made[1]);
   EXPECT_EQ(made[0], made[2]);
+}
+
+// Voxels that are turned are felt as those of a field that has them on the other side, at its border too.
+TEST(FieldSolid, TurnedVoxelsAreOnTheOtherSide) {
+  std::mt19937_64 rng(66);
+  const Solid solid = shapes::ball(9, {}, 0, rng);
+  const grid::Field whole = field_of(solid, {0.45, 0.45, 1.5}, shapes::turned(rng));
+  const grid::Lattice l = shapes::lattice_around(surface::bounds_of(solid.mesh), {0.4, 0.4, 0.95});
+  grid::Field other = whole;
+  std::vector<bool> turned(whole.count(), false);
+  for (std::size_t v = 0; v < whole.count(); v += 1 + rng() % 40) {
+    turned[v] = true;
+    other.voxels[v] = other.voxels[v] > 0 ? -other.voxels[v] : std::max(-other.voxels[v], 1e-3f);
+  }
+  const auto felt_of = [&](const grid::Field& f, const std::vector<bool>& t) {
+    return voxel::detail::solid_occupancy(f, t, l, {});
+  };
+  EXPECT_EQ(felt_of(whole, turned), felt_of(other, {}));
+  EXPECT_NE(felt_of(whole, turned), felt_of(whole, {}));
 }
 
 }  // namespace

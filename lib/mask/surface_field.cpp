@@ -280,7 +280,7 @@ void apply_half_maximum(grid::Field& hu, BitMask& shape, double lower_hu, double
   });
 }
 
-std::optional<grid::Field> closed_solid(const grid::Field& field, double min_component_mm3, const Progress& progress) {
+std::vector<bool> turned_by_contour(const grid::Field& field, double min_component_mm3, const Progress& progress) {
   const BitMask inside = positive(field, field);
   BitMask shape = inside;
   shape |= holes(inside, {0, 1e9, false}, progress);
@@ -291,20 +291,16 @@ std::optional<grid::Field> closed_solid(const grid::Field& field, double min_com
   for (const Component& c : pieces.list)
     keep.push_back(c.voxels == most || double(c.voxels) * field.voxel_volume_mm3() >= min_component_mm3);
   shape = select(pieces, keep);
-  std::optional<grid::Field> out;
-  const BitMask filled = without(shape, inside), dropped = without(inside, shape);
-  if (!filled.any() && !dropped.any()) return out;
-  out = field;
-  parallel_for(0, field.size[2], 4, [&](std::int64_t from, std::int64_t to) {
-    for (int k = int(from); k < int(to); ++k)
-      for (int j = 0; j < field.size[1]; ++j)
-        for (int i = 0; i < field.size[0]; ++i)
-          if (filled.get(i, j, k) || dropped.get(i, j, k)) {
-            float& f = out->at(i, j, k);
-            f = filled.get(i, j, k) ? std::max(-f, 1e-3f) : -f;
-          }
-  });
-  return out;
+  BitMask other = without(shape, inside);
+  other |= without(inside, shape);
+  if (!other.any()) return {};
+  std::vector<bool> turned(field.count(), false);
+  for (int k = 0; k < field.size[2]; ++k)
+    for (int j = 0; j < field.size[1]; ++j)
+      for (int w = 0; w < other.words(); ++w)
+        for (std::uint64_t bits = other.row(j, k)[w]; bits; bits &= bits - 1)
+          turned[field.index(64 * w + __builtin_ctzll(bits), j, k)] = true;
+  return turned;
 }
 
 }  // namespace trephine::mask

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <optional>
+#include <vector>
 
 #include "base/progress.h"
 #include "grid/grid.h"
@@ -29,9 +29,8 @@ std::size_t place_surface(grid::Field& edge, const BitMask& shape, double cut_si
 void apply_half_maximum(grid::Field& hu, BitMask& shape, double lower_hu, double reach_mm, double brightest_hu,
                         const Progress& progress = {});
 
-/// The field as its contour closes it: without enclosed cavities and what lies in them, and without pieces below
-/// min_component_mm3 beside the largest one. Nothing where it has neither.
-std::optional<grid::Field> closed_solid(const grid::Field& field, double min_component_mm3,
-                                        const Progress& progress = {});
+/// The voxels that are on the other side of the field's contour than of the field: in enclosed cavities, with what lies
+/// in them, and in pieces below min_component_mm3 beside the largest one. By voxel; empty where there is none.
+std::vector<bool> turned_by_contour(const grid::Field& field, double min_component_mm3, const Progress& progress = {});
 
 }  // namespace trephine::mask

@@ -91,7 +91,8 @@ class Executor {
       finished_ = true;
     }
     if (failed_ >= 0) {
-      hand_over();
+      lay_aside();
+      if (options_.made) *options_.made = std::move(results_);
       std::rethrow_exception(tasks_[failed_].error);
     }
     if (stop_) throw Cancelled{};
@@ -234,7 +235,8 @@ class Executor {
     tasks_[i].done = true;
     expected_.learn(i, results_[i].data, results_[i].seconds);
     tell_plan();
-    for (const auto& [port, source] : graph_.nodes[i].sources) release(source);
+    for (const auto& [port, source] : graph_.nodes[i].sources)
+      if (--tasks_[source].readers == 0) drop(source);
     if (tasks_[i].readers == 0) drop(i);
     malloc_trim(0);  // gives freed memory back, so that it does not count for the next stage
   }
@@ -262,7 +264,7 @@ class Executor {
     for (std::size_t i = 0; i < tasks_.size() && !spill_failed_; ++i) {
       std::unique_lock<std::mutex> lock(mutex_);
       const auto waits = [&] { return tasks_[i].done && tasks_[i].readers > 0 && tasks_[i].users == 0; };
-      if (!waits() || stages::bytes_in_memory(results_[i].data) < spilled_from_bytes) continue;
+      if (!waits() || !SpilledData::takes(results_[i].data)) continue;
       auto spilled = results_[i].spilled;
       const stages::StageData data = results_[i].data;
       lock.unlock();
@@ -277,11 +279,20 @@ class Executor {
   void bring_back(const Node& node) {
     const std::lock_guard<std::mutex> one_at_a_time(spill_mutex_);
     for (const auto& [port, source] : node.sources)
-      if (results_[source].data.index() == 0) results_[source].data = results_[source].loaded();
+      if (results_[source].data.index() == 0 && !lattice_does(node, port))
+        results_[source].data = results_[source].loaded();
   }
 
-  void release(int i) {
-    if (--tasks_[i].readers == 0) drop(i);
+  static bool lattice_does(const Node& node, const std::string& port) {
+    const stages::Port* declared = node.type->find_port(port);
+    return declared && declared->lattice_does && declared->lattice_does(node.params);
+  }
+
+  // Another reader may bring the voxels back meanwhile.
+  stages::StageData input_of(const Node& node, const std::string& port, int source) {
+    if (!lattice_does(node, port)) return results_[source].data;
+    const std::lock_guard<std::mutex> not_changed(spill_mutex_);
+    return results_[source].data.index() == 0 ? results_[source].spilled->lattice() : results_[source].data;
   }
 
   void run_node(int i) {
@@ -300,16 +311,7 @@ class Executor {
     result.seconds = seconds_since(start);
     store(node, result);
     finish_output(i, "computed");
-    hold_against_asked(i);
-  }
-
-  void hand_over() {
-    lay_aside();
-    if (options_.made) *options_.made = std::move(results_);
-  }
-
-  void hold_against_asked(int i) const {
-    if (const auto asked = options_.asked.find(i); asked != options_.asked.end()) asked->second(results_[i]);
+    if (const auto asked = options_.asked.find(i); asked != options_.asked.end()) asked->second(result);
   }
 
   // The cache only saves time: a case does not fail because the cache's disk is full.
@@ -349,7 +351,7 @@ class Executor {
     stages::StageInputs inputs;
     inputs.shared = &shared_;
     for (const auto& [port, source] : node.sources) {
-      inputs.by_port[port] = results_[source].data;
+      inputs.by_port[port] = input_of(node, port, source);
       inputs.key_by_port[port] = graph_.nodes[source].key;
     }
     try {

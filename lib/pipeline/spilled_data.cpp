@@ -45,13 +45,15 @@ bool has_room(const std::filesystem::path& folder, double bytes) {
 
 }  // namespace
 
+bool SpilledData::takes(const stages::StageData& data) {
+  return (std::holds_alternative<Volume>(data) || std::holds_alternative<Field>(data)) &&
+         stages::bytes_in_memory(data) >= spilled_from_bytes;
+}
+
 std::shared_ptr<const SpilledData> SpilledData::write(const stages::StageData& data,
                                                       const std::filesystem::path& folder) {
+  if (!takes(data) || lies_in_memory(folder) || !has_room(folder, stages::bytes_in_memory(data))) return {};
   const auto* volume = std::get_if<Volume>(&data);
-  const auto* field = std::get_if<Field>(&data);
-  if ((!volume && !field) || stages::bytes_in_memory(data) < spilled_from_bytes || lies_in_memory(folder) ||
-      !has_room(folder, stages::bytes_in_memory(data)))
-    return {};
   try {
     std::shared_ptr<SpilledData> out(new SpilledData(folder));
     const auto append = [&](const auto& g) {
@@ -62,8 +64,9 @@ std::shared_ptr<const SpilledData> SpilledData::write(const stages::StageData& d
       out->without_voxels_ = std::make_shared<const grid::HuVolume>(
           std::visit([](const auto& g) { return grid::HuVolume(lattice_alone(g)); }, **volume));
     } else {
-      append(**field);
-      out->without_voxels_ = std::make_shared<const grid::Field>(lattice_alone(**field));
+      const grid::Field& field = *std::get<Field>(data);
+      append(field);
+      out->without_voxels_ = std::make_shared<const grid::Field>(lattice_alone(field));
     }
     return out;
   } catch (const Error&) {  // it stays in memory

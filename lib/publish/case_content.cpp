@@ -350,8 +350,8 @@ class Builder {
                                       manifest().findings, progress.silent());
     }
     for (const pipeline::Graph::Removal& r : graph_.removals)
-      if (auto picture =
-              make_removed_picture(*volume(r.before), *volume(r.after), graph_.nodes[r.after].name, progress))
+      if (auto picture = make_removed_picture([&] { return volume(r.before); }, [&] { return volume(r.after); },
+                                              graph_.nodes[r.after].name, progress))
         out_.pictures.push_back(std::move(*picture));
     if (found) out_.pictures.push_back(std::move(*found));
   }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <array>
+#include <functional>
 #include <list>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,9 +48,12 @@ void show_felt(const cases::CaseManifest& manifest, const voxel::HapticVolume& h
 std::vector<CasePicture> make_side_pictures(const std::vector<PictureAnatomy>& anatomies,
                                             const Progress& progress = {});
 
+/// A scan that is read back from disk whenever it is looked at, so that no two need be held at a time.
+using ScanOnce = std::function<std::shared_ptr<const grid::HuVolume>()>;
+
 /// What a stage took off the scan: removed_by_NAME.png, slices of the scan before with the outline of what is missing
 /// after, which has at least 0.5 ml. Nothing where less is missing. Both volumes have the same lattice (Error 70).
-std::optional<CasePicture> make_removed_picture(const grid::HuVolume& before, const grid::HuVolume& after,
-                                                const std::string& name, const Progress& progress = {});
+std::optional<CasePicture> make_removed_picture(const ScanOnce& before, const ScanOnce& after, const std::string& name,
+                                                const Progress& progress = {});
 
 }  // namespace trephine::publish

@@ -16,37 +16,47 @@ constexpr double least_ml = 0.5;
 constexpr float min_hu = 100;  // what lost less is not called removed
 
 // Where the scan lost at least min_hu, on every second voxel of a slice: an outline needs no more.
-grid::Field lost(const grid::HuVolume& before, const grid::HuVolume& after) {
+grid::Field lost(const ScanOnce& before, const ScanOnce& after, const std::string& name) {
   constexpr int step = 2;
-  grid::Lattice l = grid::lattice_of(before);
-  for (int a = 0; a < 2; ++a) {
-    l.size[a] = (l.size[a] + step - 1) / step;
-    l.spacing_mm[a] *= step;
+  grid::Field out;
+  const auto each_voxel = [&](const grid::HuVolume& scan, const auto& set) {
+    std::visit(
+        [&](const auto& hu) {
+          parallel_for(0, out.size[2], 4, [&](std::int64_t begin, std::int64_t end) {
+            for (auto k = int(begin); k < end; ++k)
+              for (int j = 0; j < out.size[1]; ++j)
+                for (int i = 0; i < out.size[0]; ++i) set(out.at(i, j, k), float(hu.at(step * i, step * j, k)));
+          });
+        },
+        scan);
+  };
+  grid::Lattice whole;
+  {
+    const auto scan = before();
+    whole = grid::lattice_of(*scan);
+    grid::Lattice l = whole;
+    for (int a = 0; a < 2; ++a) {
+      l.size[a] = (l.size[a] + step - 1) / step;
+      l.spacing_mm[a] *= step;
+    }
+    out = grid::Field(l);
+    each_voxel(*scan, [](float& v, float hu) { v = hu; });
   }
-  grid::Field out(l);
-  std::visit(
-      [&](const auto& from, const auto& to) {
-        parallel_for(0, l.size[2], 4, [&](std::int64_t begin, std::int64_t end) {
-          for (auto k = int(begin); k < end; ++k)
-            for (int j = 0; j < l.size[1]; ++j)
-              for (int i = 0; i < l.size[0]; ++i)
-                out.at(i, j, k) = float(from.at(step * i, step * j, k)) - float(to.at(step * i, step * j, k)) - min_hu;
-        });
-      },
-      before, after);
+  const auto scan = after();
+  if (whole != grid::lattice_of(*scan)) throw Error(ExitCode::internal, "", name, "does not keep the scan's voxels");
+  each_voxel(*scan, [](float& v, float hu) { v = v - hu - min_hu; });
   return out;
 }
 
 }  // namespace
 
-std::optional<CasePicture> make_removed_picture(const grid::HuVolume& before, const grid::HuVolume& after,
-                                                const std::string& name, const Progress& progress) {
-  if (!(grid::lattice_of(before) == grid::lattice_of(after)))
-    throw Error(ExitCode::internal, "", name, "does not keep the scan's voxels");
-  const grid::Field missing = lost(before, after);
+std::optional<CasePicture> make_removed_picture(const ScanOnce& before, const ScanOnce& after, const std::string& name,
+                                                const Progress& progress) {
+  const grid::Field missing = lost(before, after, name);
   const auto count = std::count_if(missing.voxels.begin(), missing.voxels.end(), [](float v) { return v > 0; });
   if (double(count) * missing.voxel_volume_mm3() / 1000 < least_ml) return {};
   const grid::Box box = mask::inside_box(missing);
+  const auto scan = before();
   std::vector<picture::Image> images(cells);
   parallel_for(0, cells, 1, [&](std::int64_t from, std::int64_t to) {
     for (auto i = from; i < to; ++i) {
@@ -65,7 +75,7 @@ std::optional<CasePicture> make_removed_picture(const grid::HuVolume& before, co
                               : picture::SlicePlane::sagittal;
       params.position_mm = i < 4 ? place.z : i == 4 ? place.y : place.x;
       images[std::size_t(i)] =
-          picture::slice_overlay(before, params, {{nullptr, {1, 0.25, 0.1}, "taken off", &missing}});
+          picture::slice_overlay(*scan, params, {{nullptr, {1, 0.25, 0.1}, "taken off", &missing}});
     }
   });
   return CasePicture{"removed_by_" + name + ".png", picture::encode_png(picture::contact_sheet(images, 3))};

@@ -113,6 +113,9 @@ struct Port {
   std::function<bool(const AnyParams&)> asked;  ///< whether the parameters ask for the input; empty: always
   /// Whether, with these parameters, the stage cannot do without an input that is optional otherwise; empty: never.
   std::function<bool(const AnyParams&)> needed;
+  /// Of a volume: whether, with these parameters, its lattice alone is read, so that a run leaves its voxels on disk;
+  /// empty: never.
+  std::function<bool(const AnyParams&)> lattice_does;
 
   bool is_many() const { return group() != name; }
   /// The name without ".*".
@@ -139,6 +142,9 @@ class PortDeclaration {
   PortDeclaration& where(std::function<bool(const AnyParams&)> asked) { return port_.asked = std::move(asked), *this; }
   PortDeclaration& needed_where(std::function<bool(const AnyParams&)> needed) {
     return port_.needed = std::move(needed), *this;
+  }
+  PortDeclaration& lattice_does_where(std::function<bool(const AnyParams&)> does) {
+    return port_.lattice_does = std::move(does), *this;
   }
   operator Port() const { return port_; }
 

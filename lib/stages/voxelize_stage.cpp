@@ -38,11 +38,8 @@ void intersect(surface::Bounds& b, const surface::Bounds& with) {
   }
 }
 
-// The surfaces of shapes that came as fields and need triangles, and the fields as their surfaces close them.
-struct MadeOfFields {
-  std::list<surface::TriMesh> surfaces;
-  std::list<grid::Field> solids;
-};
+// The surfaces of shapes that came as fields and need triangles.
+using MadeOfFields = std::list<surface::TriMesh>;
 
 surface::Bounds bounds_of_shape(const std::string& name, const grid::Field& field) {
   const mask::BitMask mask = mask::positive(field, field);
@@ -89,13 +86,7 @@ const surface::TriMesh* surface_of(const std::string& name, const StageInputs& i
   if (!mesh) mesh = in.get<surface::TriMesh>("clear." + name);
   const grid::Field* field = in.get<grid::Field>("shape." + name);
   if (mesh || !field) return mesh;
-  return &made.surfaces.emplace_back(meshing::contour(*field, meshing::ContourParams(), progress.silent()).value);
-}
-
-const grid::Field* solid_of(const grid::Field* field, MadeOfFields& made, const Progress& progress) {
-  if (!field) return nullptr;
-  auto closed = mask::closed_solid(*field, meshing::ContourParams().min_component_mm3, progress.silent());
-  return closed ? &made.solids.emplace_back(std::move(*closed)) : field;
+  return &made.emplace_back(meshing::contour(*field, meshing::ContourParams(), progress.silent()).value);
 }
 
 MadeVolume make_volume(const VoxelizeStageParams& params, const grid::Lattice& lattice, const StageInputs& in,
@@ -113,13 +104,17 @@ MadeVolume make_volume(const VoxelizeStageParams& params, const grid::Lattice& l
     shape.name = name;
     shape.shell_mm = s.shell_mm;
     shape.surface = s.shell_mm > 0 ? surface_of(name, in, made, progress) : in.get<surface::TriMesh>("shape." + name);
-    if (!shape.surface) shape.field = solid_of(in.get<grid::Field>("shape." + name), made, progress);
-    if (!shape.surface && !shape.field) throw Error(ExitCode::usage, "", "shape", name + ", has no surface");
+    if (!shape.surface) {
+      shape.field = in.get<grid::Field>("shape." + name);
+      if (!shape.field) throw Error(ExitCode::usage, "", "shape", name + ", has no surface");
+      shape.turned =
+          mask::turned_by_contour(*shape.field, meshing::ContourParams().min_component_mm3, progress.silent());
+    }
     if (!s.clear_of.empty()) {
       shape.clear_of = surface_of(s.clear_of, in, made, progress);
       shape.clear_mm = s.clear_mm;
     }
-    shapes.push_back(shape);
+    shapes.push_back(std::move(shape));
   }
   return voxel::voxelize(lattice, shapes, progress);
 }
@@ -183,6 +178,13 @@ std::vector<std::string> kept_clear_of(const AnyParams& any) {
 
 std::vector<std::string> region_of(const AnyParams& any) { return {any.as<VoxelizeStageParams>().region_of}; }
 
+bool reads_hardness(const VoxelizeStageParams& params) { return params.hardness_high_hu > params.hardness_low_hu; }
+
+bool reads_no_hu(const AnyParams& any) {
+  const auto& params = any.as<VoxelizeStageParams>();
+  return params.encoding == voxel::HapticEncoding::occupancy && !reads_hardness(params);
+}
+
 bool is_drilled(const AnyParams& any) { return !any.as<VoxelizeStageParams>().drill.empty(); }
 
 }  // namespace
@@ -215,7 +217,9 @@ StageType voxelize_stage() {
       "trephine voxelize volume.nrrd --encoding hu --shapes bone:window_hu=300,3000 --spacing-mm 0.5,0.5,1 --output "
       "haptic.nrrd"};
   s.ports = {
-      port("volume", DataKind::volume).help("CT volume in HU, on whose axes the haptic volume lies"),
+      port("volume", DataKind::volume)
+          .lattice_does_where(reads_no_hu)
+          .help("CT volume in HU, on whose axes the haptic volume lies"),
       port("shape.*", DataKind::mesh)
           .of(surfaces_of_shapes)
           .optional()
@@ -238,7 +242,7 @@ StageType voxelize_stage() {
     const grid::Lattice lattice = lattice_of_region(params, in);
     MadeVolume made = make_volume(params, lattice, in, progress.part(0, 0.9));
     voxel::HapticVolume& volume = made.value;
-    if (params.hardness_high_hu > params.hardness_low_hu)
+    if (reads_hardness(params))
       volume.hardness = voxel::haptic_hardness(*in.get<grid::HuVolume>("volume"), lattice, params.hardness_low_hu,
                                                params.hardness_high_hu, progress.part(0.9, 0.93));
     cut(made, params, cutters_of(in), progress.part(0.93, 1));

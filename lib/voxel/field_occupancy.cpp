@@ -18,16 +18,16 @@ constexpr int slices_of_places = 16, most_parts = 16;
 // The field at any continuous index: trilinear, and outside of it beyond half a voxel, as its contour is capped.
 class FieldSampler {
  public:
-  explicit FieldSampler(const grid::Field& field)
-      : f_(field), dy_(std::size_t(field.size[0])), dz_(dy_ * field.size[1]) {}
+  FieldSampler(const grid::Field& field, const std::vector<bool>& turned)
+      : f_(field), turned_(turned), dy_(std::size_t(field.size[0])), dz_(dy_ * field.size[1]) {}
 
   double operator()(const Vec3& p) const {
     const int i = int(std::floor(p.x)), j = int(std::floor(p.y)), k = int(std::floor(p.z));
     const double x = p.x - i, y = p.y - j, z = p.z - k;
     double c[8];
     if (i >= 0 && j >= 0 && k >= 0 && i + 1 < f_.size[0] && j + 1 < f_.size[1] && k + 1 < f_.size[2]) {
-      const float* v = &f_.voxels[f_.index(i, j, k)];
-      for (int n = 0; n < 8; ++n) c[n] = v[(n & 1) + (n >> 1 & 1) * dy_ + (n >> 2) * dz_];
+      const std::size_t first = f_.index(i, j, k);
+      for (std::size_t n = 0; n < 8; ++n) c[n] = value(first + (n & 1) + (n >> 1 & 1) * dy_ + (n >> 2) * dz_);
     } else {
       for (int n = 0; n < 8; ++n) c[n] = at(i + (n & 1), j + (n >> 1 & 1), k + (n >> 2));
     }
@@ -36,13 +36,19 @@ class FieldSampler {
     return c[0] + z * (c[1] - c[0]);
   }
   double at(int i, int j, int k) const {
-    if (f_.contains(i, j, k)) return f_.at(i, j, k);
-    return -std::abs(
-        f_.at(std::clamp(i, 0, f_.size[0] - 1), std::clamp(j, 0, f_.size[1] - 1), std::clamp(k, 0, f_.size[2] - 1)));
+    if (f_.contains(i, j, k)) return value(f_.index(i, j, k));
+    return -std::abs(value(f_.index(std::clamp(i, 0, f_.size[0] - 1), std::clamp(j, 0, f_.size[1] - 1),
+                                    std::clamp(k, 0, f_.size[2] - 1))));
+  }
+  float value(std::size_t at) const {
+    const float v = f_.voxels[at];
+    if (turned_.empty() || !turned_[at]) return v;
+    return v > 0 ? -v : std::max(-v, 1e-3f);
   }
 
  private:
   const grid::Field& f_;
+  const std::vector<bool>& turned_;
   std::size_t dy_, dz_;
 };
 
@@ -60,7 +66,8 @@ struct FieldOnLattice {
   std::array<int, 3> parts;  // the field's steps are cut into so many, so that none is longer than a voxel
   double apart_mm;           // no point of a plane is farther than this from the nearest place on it
 
-  FieldOnLattice(const grid::Field& f, const grid::Lattice& l) : field(f), lattice(l), sampler(f) {
+  FieldOnLattice(const grid::Field& f, const std::vector<bool>& turned, const grid::Lattice& l)
+      : field(f), lattice(l), sampler(f, turned) {
     first = f.to_index(l.to_world_mm({0, 0, 0}));
     for (int a = 0; a < 3; ++a) {
       Vec3 next;
@@ -122,8 +129,9 @@ struct FieldOnLattice {
       for (const int z : {k, k + 1}) {
         if (j < 0 || z < 0 || j >= field.size[1] || z >= field.size[2]) continue;
         const int first = std::max(0, box.begin[0]), last = std::min(field.size[0], box.end[0] + 1);
-        const float* row = &field.voxels[field.index(0, j, z)];
-        for (int i = first; i < last; ++i) next[std::size_t(i - box.begin[0])] += std::uint8_t(row[i] > 0);
+        const std::size_t row = field.index(0, j, z);
+        for (int i = first; i < last; ++i)
+          next[std::size_t(i - box.begin[0])] += std::uint8_t(sampler.value(row + std::size_t(i)) > 0);
       }
       for (std::size_t i = 0; j > box.begin[1] && i + 1 < inside.size(); ++i)
         if (const int all = inside[i] + inside[i + 1] + next[i] + next[i + 1]; all > 0 && all < 8)
@@ -240,11 +248,13 @@ class PlacesSlab {
 
 }  // namespace
 
-grid::Grid<std::uint8_t> solid_occupancy(const grid::Field& field, const grid::Lattice& lattice,
-                                         const Progress& progress) {
+grid::Grid<std::uint8_t> solid_occupancy(const grid::Field& field, const std::vector<bool>& turned,
+                                         const grid::Lattice& lattice, const Progress& progress) {
   if (field.voxels.empty()) throw Error(ExitCode::bad_input, "", "field", "has no voxels");
+  if (!turned.empty() && turned.size() != field.voxels.size())
+    throw Error(ExitCode::internal, "", "turned", "is of another field");
   grid::Grid<std::uint8_t> occupancy(lattice, 0);
-  const FieldOnLattice on(field, lattice);
+  const FieldOnLattice on(field, turned, lattice);
   parallel_for(0, (lattice.size[2] + slices_of_places - 1) / slices_of_places, 1, [&](std::int64_t s, std::int64_t) {
     progress.check();
     const int begin = int(s) * slices_of_places;

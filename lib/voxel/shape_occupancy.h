@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 #include "base/progress.h"
 #include "grid/grid.h"
@@ -34,11 +35,12 @@ inline int share_at(double distance_mm, double ramp) {
 grid::Grid<std::uint8_t> solid_occupancy(const surface::TriMesh& mesh, const grid::Lattice& lattice,
                                          const Progress& progress);
 
-/// The same of a field's solid, whose pieces and cavities all count. Its surface is taken to be planes about the places
-/// where the field crosses 0 on the edges of its voxels (of parts of them, where they are larger than the lattice's):
-/// what a flat surface has is exact, and what bends is off by what it bends from voxel to voxel.
-grid::Grid<std::uint8_t> solid_occupancy(const grid::Field& field, const grid::Lattice& lattice,
-                                         const Progress& progress);
+/// The same of a field's solid, with VoxelizeShape::turned; its pieces and cavities all count. Its surface is taken to
+/// be planes about the places where the field crosses 0 on the edges of its voxels (of parts of them, where they are
+/// larger than the lattice's): what a flat surface has is exact, and what bends is off by what it bends from voxel to
+/// voxel.
+grid::Grid<std::uint8_t> solid_occupancy(const grid::Field& field, const std::vector<bool>& turned,
+                                         const grid::Lattice& lattice, const Progress& progress);
 
 /// What the volume has of each shape, by number; shape_volume_mm3 is of one alone.
 std::array<double, haptic_max_shapes + 1> shape_volumes_mm3(const HapticVolume& volume);

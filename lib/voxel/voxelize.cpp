@@ -123,7 +123,7 @@ grid::Grid<std::uint8_t> occupancy_of(const VoxelizeShape& shape, const grid::La
   const bool clear = shape.clear_of != nullptr;
   const Progress solid = progress.part(0, clear ? 0.6 : 1);
   grid::Grid<std::uint8_t> own = shape.surface ? detail::solid_occupancy(*shape.surface, lattice, solid)
-                                               : detail::solid_occupancy(*shape.field, lattice, solid);
+                                               : detail::solid_occupancy(*shape.field, shape.turned, lattice, solid);
   if (shape.shell_mm > 0) detail::keep_shell(*shape.surface, shape.shell_mm, own, progress);
   largest = own.voxels.empty() ? 0 : *std::max_element(own.voxels.begin(), own.voxels.end());
   if (!clear) return own;

@@ -54,6 +54,8 @@ struct VoxelizeShape {
   double shell_mm = 0;
   /// In place of the surface, where there is no shell: the shape's field, which takes a fifth of the time.
   const grid::Field* field = nullptr;
+  /// The field's voxels that are on the other side than its value says (a cavity that is filled), by voxel; or empty.
+  std::vector<bool> turned;
 };
 
 struct VoxelizeParams {
