@@ -14,8 +14,8 @@
 #include "cases/glb.h"
 #include "cases/load_hashed.h"
 #include "grid/nrrd.h"
-#include "voxel/cut.h"
 #include "voxel/haptic_file.h"
+#include "voxel/shape_field.h"
 
 namespace trephine::cases {
 namespace {
@@ -83,10 +83,10 @@ grid::Grid<std::int16_t> read_ct(const std::vector<char>& bytes, const CaseCt& m
 // Volumes of 0 ml are those that the writer did not measure.
 void compare_volumes(const voxel::HapticVolume& volume, const CaseHaptic& manifest) {
   if (volume.encoding != voxel::HapticEncoding::occupancy) return;  // an HU says nothing of a part of a voxel
+  const auto mm3 = voxel::shape_volumes_mm3(volume);
   for (const CaseShape& s : manifest.shapes)
     if (s.volume_ml > 0)
-      require_near(voxel::shape_volume_mm3(volume, s.number) / 1000, s.volume_ml, 1e-3,
-                   "shapes." + s.name + ".volume_ml");
+      require_near(mm3.at(std::size_t(s.number)) / 1000, s.volume_ml, 1e-3, "shapes." + s.name + ".volume_ml");
 }
 
 // The figures of the patient are those of the surfaces.

@@ -151,9 +151,7 @@ Outcome<grid::Field, BrainResult> brain_in(const mask::HuView& hu, const BrainMa
   BrainResult result;
   mask::BitMask bone = masks.skull ? mask::positive(*masks.skull, hu.lattice()) : place::bone_of(hu);
   // Thin plates of bone that the skull's own edge leaves out (orbital roofs in thick slices) are not brain either.
-  const mask::Components bright = mask::components(mask::make_mask(hu.lattice(), [&](int j, int k, std::uint8_t* row) {
-    for (int i = 0; i < hu.lattice().size[0]; ++i) row[i] = hu(i, j, k) > thin_bone_hu;
-  }));
+  const mask::Components bright = mask::components(mask::above(hu, thin_bone_hu));
   bone |= mask::select(bright, mask::touching(bright, bone));
   auto found = place::cranial_cavity(bone, progress);
   Warnings warnings = std::move(found.warnings);

@@ -98,6 +98,7 @@ void pack(const std::vector<std::uint8_t>& flags, Word* row) {
   for (std::size_t i = 0; i < flags.size(); i += 8) {
     Word bytes = 0;
     for (int b = 0; b < 8; ++b) bytes |= Word(flags[i + b]) << (8 * b);
+    if (!bytes) continue;
     bytes |= bytes >> 4 & 0x0f * low;
     bytes |= bytes >> 2 & 0x03 * low;
     bytes |= bytes >> 1 & low;

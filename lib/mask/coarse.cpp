@@ -28,6 +28,13 @@ Between between(const CoarseRaster& r, int axis) {
   return b;
 }
 
+/// The cell of each voxel of a row: looked up, since a division takes longer than what is done with the voxel.
+std::vector<int> cells_of_row(const CoarseRaster& r) {
+  std::vector<int> cell(std::size_t(r.fine.size[0]));
+  for (std::size_t x = 0; x < cell.size(); ++x) cell[x] = int(x) / r.factor[0];
+  return cell;
+}
+
 /// The mean of each cell, `nowhere` where it is of nothing. `row(y, z, add)` calls add(x, value) for what counts in the
 /// fine raster's row, in the order of x. A cell's values are added as Sum, in the order of z, y and x.
 template <class Sum, class Row>
@@ -36,9 +43,10 @@ grid::Grid<float> mean_of_cells(const CoarseRaster& r, float nowhere, const Row&
   parallel_for(0, r.cells.size[2], 2, [&](std::int64_t from, std::int64_t to) {
     std::vector<Sum> sum(r.cells.size[0]);
     std::vector<int> count(r.cells.size[0]);
+    const std::vector<int> cell = cells_of_row(r);
     const auto add = [&](int x, float value) {
-      sum[x / r.factor[0]] += value;
-      ++count[x / r.factor[0]];
+      sum[cell[x]] += value;
+      ++count[cell[x]];
     };
     for (int k = int(from); k < to; ++k)
       for (int j = 0; j < r.cells.size[1]; ++j) {
@@ -92,6 +100,7 @@ BitMask fine_mask(const BitMask& cells, const CoarseRaster& raster) {
 BitMask coarse_mask(const BitMask& fine, const CoarseRaster& r, double share) {
   const grid::Lattice& l = r.fine;
   const int fx = r.factor[0];
+  const std::vector<int> cell = cells_of_row(r);
   return make_mask(r.cells, [&](int j, int k, std::uint8_t* row) {
     const int z0 = k * r.factor[2], z1 = std::min(l.size[2], z0 + r.factor[2]);
     const int y0 = j * r.factor[1], y1 = std::min(l.size[1], y0 + r.factor[1]);
@@ -101,7 +110,7 @@ BitMask coarse_mask(const BitMask& fine, const CoarseRaster& r, double share) {
         for (int y = y0; y < y1; ++y)
           for (int w = 0; w < fine.words(); ++w) any[w] |= fine.row(y, z)[w];
       for (int w = 0; w < fine.words(); ++w)
-        for (std::uint64_t bits = any[w]; bits; bits &= bits - 1) row[(w * 64 + __builtin_ctzll(bits)) / fx] = 1;
+        for (std::uint64_t bits = any[w]; bits; bits &= bits - 1) row[cell[w * 64 + __builtin_ctzll(bits)]] = 1;
       return;
     }
     std::vector<int> count(r.cells.size[0]);
@@ -109,7 +118,7 @@ BitMask coarse_mask(const BitMask& fine, const CoarseRaster& r, double share) {
       for (int y = y0; y < y1; ++y)
         for (int w = 0; w < fine.words(); ++w)
           for (std::uint64_t bits = fine.row(y, z)[w]; bits; bits &= bits - 1)
-            ++count[(w * 64 + __builtin_ctzll(bits)) / fx];
+            ++count[cell[w * 64 + __builtin_ctzll(bits)]];
     for (int i = 0; i < r.cells.size[0]; ++i) {
       const int wide = std::min(l.size[0], (i + 1) * fx) - i * fx;
       row[i] = count[i] >= share * wide * (y1 - y0) * (z1 - z0) - 1e-9;

@@ -53,6 +53,46 @@ class Envelope {
   std::vector<double> from_;
 };
 
+/// The squared distance along a row of bits to the nearest one that is set.
+void squares_along_row(const std::uint64_t* bits, int n, double spacing, float* out) {
+  const auto set = [&](int i) { return (bits[i >> 6] >> (i & 63) & 1) != 0; };
+  const auto squared = [&](int i, int to) {
+    const double d = i * spacing - to * spacing;
+    return float(d * d);
+  };
+  for (int i = 0, last = -1; i < n; ++i) {
+    if (set(i)) last = i;
+    out[i] = last < 0 ? far_mm2 : squared(i, last);
+  }
+  for (int i = n - 1, next = -1; i >= 0; --i) {
+    if (set(i)) next = i;
+    if (next > i && out[i] > 0) out[i] = std::min(out[i], squared(i, next));
+  }
+}
+
+/// Lines of n samples across the rows, some at a time, so that what lies beside each other in memory is read together.
+class Lines {
+ public:
+  explicit Lines(int n) : n_(std::size_t(n)), in_(together * n_), out_(together * n_) {}
+  /// Of `count` lines beside each other, whose samples are `stride` apart, the envelope, with `last` of each sample.
+  template <class Last>
+  void each(float* first, std::size_t stride, int count, Envelope& envelope, const Last& last) {
+    for (std::size_t i = 0; i < std::size_t(count); i += together) {
+      const std::size_t some = std::min(together, std::size_t(count) - i);
+      for (std::size_t q = 0; q < n_; ++q)
+        for (std::size_t c = 0; c < some; ++c) in_[c * n_ + q] = first[q * stride + i + c];
+      for (std::size_t c = 0; c < some; ++c) envelope(&in_[c * n_], &out_[c * n_]);
+      for (std::size_t q = 0; q < n_; ++q)
+        for (std::size_t c = 0; c < some; ++c) first[q * stride + i + c] = last(out_[c * n_ + q]);
+    }
+  }
+
+ private:
+  static constexpr std::size_t together = 16;
+  std::size_t n_;
+  std::vector<float> in_, out_;
+};
+
 }  // namespace
 
 grid::Grid<float> distance_mm(const BitMask& to, const Progress& progress) {
@@ -61,30 +101,19 @@ grid::Grid<float> distance_mm(const BitMask& to, const Progress& progress) {
   const int nx = l.size[0], ny = l.size[1], nz = l.size[2];
   parallel_for(0, nz, 4, [&](std::int64_t from, std::int64_t end) {
     progress.check();
-    Envelope along_x(nx, l.spacing_mm.x), along_y(ny, l.spacing_mm.y);
-    std::vector<float> in(std::max(nx, ny)), out(ny);
+    Envelope along_y(ny, l.spacing_mm.y);
+    Lines lines(ny);
     for (int k = int(from); k < end; ++k) {
-      for (int j = 0; j < ny; ++j) {
-        for (int i = 0; i < nx; ++i) in[i] = to.get(i, j, k) ? 0 : far_mm2;
-        along_x(in.data(), &d.at(0, j, k));
-      }
-      for (int i = 0; i < nx; ++i) {
-        for (int j = 0; j < ny; ++j) in[j] = d.at(i, j, k);
-        along_y(in.data(), out.data());
-        for (int j = 0; j < ny; ++j) d.at(i, j, k) = out[j];
-      }
+      for (int j = 0; j < ny; ++j) squares_along_row(to.row(j, k), nx, l.spacing_mm.x, &d.at(0, j, k));
+      lines.each(&d.at(0, 0, k), std::size_t(nx), nx, along_y, [](float v) { return v; });
     }
   });
   parallel_for(0, ny, 4, [&](std::int64_t from, std::int64_t end) {
     progress.check();
     Envelope along_z(nz, l.spacing_mm.z);
-    std::vector<float> in(nz), out(nz);
+    Lines lines(nz);
     for (int j = int(from); j < end; ++j)
-      for (int i = 0; i < nx; ++i) {
-        for (int k = 0; k < nz; ++k) in[k] = d.at(i, j, k);
-        along_z(in.data(), out.data());
-        for (int k = 0; k < nz; ++k) d.at(i, j, k) = std::sqrt(out[k]);
-      }
+      lines.each(&d.at(0, j, 0), std::size_t(nx) * ny, nx, along_z, [](float v) { return std::sqrt(v); });
   });
   return d;
 }
@@ -202,38 +231,39 @@ grid::Mask flood(const grid::Grid<float>& height, const BitMask& domain, const g
     return std::size_t(std::clamp(height.voxels[v], 0.f, 1e4f) / level_step);
   };
   std::vector<std::vector<std::uint32_t>> queue(std::size_t(highest / level_step) + 1);
-  grid::Mask label(height);
+  constexpr std::uint8_t beyond = 255;  // not in the domain, so it is never reached
+  grid::Mask label(height, beyond);
   for (int k = 0; k < nz; ++k)
     for (int j = 0; j < ny; ++j)
       for (int i = 0; i < nx; ++i) {
+        if (!domain.get(i, j, k)) continue;
         const std::size_t v = height.index(i, j, k);
-        if (!seeds.voxels[v] || !domain.get(i, j, k)) continue;
         label.voxels[v] = seeds.voxels[v];
-        queue[level_of(v)].push_back(std::uint32_t(v));
+        if (seeds.voxels[v]) queue[level_of(v)].push_back(std::uint32_t(v));
       }
-  const std::size_t sy = nx, sz = std::size_t(nx) * ny;
+  const std::uint32_t sy = std::uint32_t(nx), sz = sy * std::uint32_t(ny);
   for (std::size_t level = queue.size(); level-- > 0;) {
     progress.check();
     // The queue of this level grows while it is processed: first in, first out.
     for (std::size_t q = 0; q < queue[level].size(); ++q) {
-      const std::size_t v = queue[level][q];
-      const int i = int(v % sy), j = int(v / sy % ny), k = int(v / sz);
-      const auto visit = [&](bool inside, int di, int dj, int dk) {
-        if (!inside) return;
-        const std::size_t n = height.index(i + di, j + dj, k + dk);
-        if (label.voxels[n] || !domain.get(i + di, j + dj, k + dk)) return;
+      const std::uint32_t v = queue[level][q], row = v / sy;
+      const int i = int(v - row * sy), j = int(row % std::uint32_t(ny)), k = int(v / sz);
+      const auto visit = [&](bool inside, std::uint32_t n) {
+        if (!inside || label.voxels[n]) return;
         label.voxels[n] = label.voxels[v];
-        queue[std::min(level, level_of(n))].push_back(std::uint32_t(n));
+        queue[std::min(level, level_of(n))].push_back(n);
       };
-      visit(i > 0, -1, 0, 0);
-      visit(i + 1 < nx, 1, 0, 0);
-      visit(j > 0, 0, -1, 0);
-      visit(j + 1 < ny, 0, 1, 0);
-      visit(k > 0, 0, 0, -1);
-      visit(k + 1 < nz, 0, 0, 1);
+      visit(i > 0, v - 1);
+      visit(i + 1 < nx, v + 1);
+      visit(j > 0, v - sy);
+      visit(j + 1 < ny, v + sy);
+      visit(k > 0, v - sz);
+      visit(k + 1 < nz, v + sz);
     }
     std::vector<std::uint32_t>().swap(queue[level]);
   }
+  for (std::uint8_t& at : label.voxels)
+    if (at == beyond) at = 0;
   return label;
 }
 

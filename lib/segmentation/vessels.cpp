@@ -30,13 +30,7 @@ constexpr double warned_ratio = 0.05, refused_ratio = 0.5, cut_sigma_mm = 0.7, m
 }  // namespace
 
 mask::BitMask soft_tissue_around(const grid::HuVolume& ct, const mask::BitMask& bone) {
-  const mask::HuView hu(ct);
-  const grid::Lattice& l = grid::lattice_of(ct);
-  mask::BitMask tissue = mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
-    for (int i = 0; i < l.size[0]; ++i) row[i] = hu(i, j, k) > min_tissue_hu;
-  });
-  tissue.remove(bone);
-  return tissue;
+  return mask::without(mask::above(mask::HuView(ct), min_tissue_hu), bone);
 }
 
 Outcome<grid::Field, VesselsResult> find_vessels(const grid::HuVolume& angiography, const grid::HuVolume& ct,

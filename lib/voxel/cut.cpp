@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "voxel/cut_solid.h"
 #include "voxel/raw_voxel.h"
+#include "voxel/shape_field.h"
 #include "voxel/shape_occupancy.h"
 
 namespace trephine::voxel {
@@ -173,7 +174,7 @@ void cut_hu_windows(const Cut& c, const Progress& progress) {
 
 }  // namespace
 
-std::array<double, haptic_max_shapes + 1> detail::shape_volumes_mm3(const HapticVolume& volume) {
+std::array<double, haptic_max_shapes + 1> shape_volumes_mm3(const HapticVolume& volume) {
   const Sums filled = filled_by_shape(volume, volume.voxels);
   std::array<double, haptic_max_shapes + 1> mm3{};
   for (std::size_t n = 1; n < mm3.size(); ++n)
@@ -182,7 +183,7 @@ std::array<double, haptic_max_shapes + 1> detail::shape_volumes_mm3(const Haptic
 }
 
 double shape_volume_mm3(const HapticVolume& volume, int number) {
-  return number < 1 || number > haptic_max_shapes ? 0 : detail::shape_volumes_mm3(volume)[std::size_t(number)];
+  return number < 1 || number > haptic_max_shapes ? 0 : shape_volumes_mm3(volume)[std::size_t(number)];
 }
 
 Outcome<std::monostate, CutVolumeResult> cut_volume(HapticVolume& volume, const surface::DistanceFunction& solid,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 // Occupancy of single solids on a lattice; for the sources of this room.
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -41,9 +40,6 @@ grid::Grid<std::uint8_t> solid_occupancy(const surface::TriMesh& mesh, const gri
 /// voxel.
 grid::Grid<std::uint8_t> solid_occupancy(const grid::Field& field, const std::vector<bool>& turned,
                                          const grid::Lattice& lattice, const Progress& progress);
-
-/// What the volume has of each shape, by number; shape_volume_mm3 is of one alone.
-std::array<double, haptic_max_shapes + 1> shape_volumes_mm3(const HapticVolume& volume);
 
 /// Takes from a solid what lies deeper than `shell_mm` below its own surface. The inner face has a ramp as the outer
 /// one; it follows the distance from every second voxel on, linearly between them.

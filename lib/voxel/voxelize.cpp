@@ -10,6 +10,7 @@
 #include "base/refusal.h"
 #include "voxel/cut.h"
 #include "voxel/raw_voxel.h"
+#include "voxel/shape_field.h"
 #include "voxel/shape_occupancy.h"
 
 namespace trephine::voxel {
@@ -229,7 +230,7 @@ Outcome<HapticVolume, VoxelizeResult> voxelize(const grid::Lattice& lattice, con
     half[std::size_t(v.number)] += is_half(v.share);
   }
   VoxelizeResult result;
-  const auto mm3 = detail::shape_volumes_mm3(volume);
+  const auto mm3 = shape_volumes_mm3(volume);
   for (std::size_t n = 0; n < shapes.size(); ++n) {
     const std::string& name = shapes[n].name;
     if (half[n + 1] == 0) refuse_unfelt(shapes[n], largest[n]);
