@@ -256,6 +256,8 @@ TEST(Brainstem, TheMedullaEndsInTheForamenThatTheScanShows) {
   EXPECT_FALSE(end_with({0, 27, 0}, 24)) << "as wide as a posterior fossa";
   EXPECT_FALSE(end_with({0, 27, 0}, 2)) << "closed";
   EXPECT_FALSE(end_with({0, 48, 0}, 15)) << "no template lies so";
+  l.size[1] = 100;  // the scan ends behind the foramen's middle
+  EXPECT_FALSE(end_with({0, 27, 0}, 15)) << "half a foramen has no middle";
 }
 
 }  // namespace trephine

@@ -26,7 +26,8 @@ constexpr double cut_side_mm2 = 150;  ///< of tissue at a side of the field of v
 constexpr int block_cells = 4;
 constexpr double cut_cavity_mm2 = 300;  ///< of the cavity at the top or bottom slice
 constexpr int open_cells = 8;
-constexpr double usual_height_ratio[2] = {0.72, 1.35};  ///< six given heads 0.90 to 1.10, phantoms 1.03 to 1.08
+constexpr double open_mm = 16;
+constexpr double usual_height_ratio[2] = {0.72, 1.5};  ///< six given heads 0.90 to 1.10, phantoms 1.03 to 1.08
 
 /// The volume's axis nearest to the patient's superior direction, and whether its indices ascend with it.
 struct UpAxis {
@@ -146,7 +147,8 @@ void add_padded(const mask::HuView& hu, const mask::CoarseRaster& raster, const 
   }
 }
 
-/// How high the cavity is, by how wide, by its moments; a nod changes neither by much.
+/// How high the cavity is, by how wide, by its moments. A nod adds of its length to its height: a usual head that looks
+/// straight up has 1.25, a long narrow one 1.4.
 double height_to_width(const mask::BitMask& cavity) {
   const grid::Lattice& l = cavity.lattice();
   const Vec3 centre = cavity.centre_mm();
@@ -231,9 +233,10 @@ Outcome<grid::HuVolume, HeadRegionResult> head_region(const grid::HuVolume& volu
   const mask::BitMask upper = part_of(tissue, skull_box);
   // A cavity ends before a gap of its bone that is wide, as where the field cuts the head: it goes on to the field's
   // edge.
-  mask::BitMask soft = upper, open = cavity;
-  soft.remove(bone);
-  for (int n = 0; n < open_cells; ++n) open |= mask::both(mask::dilated_6(open), soft);
+  // Cells of which any part is bone are a wall, as they are to the cavity.
+  mask::BitMask soft = mask::both(upper, mask::dilated(cavity, open_mm, progress)), open = cavity;
+  soft.remove(mask::coarse_mask(mask::above(hu, bone_hu), raster, 0));
+  for (int step = 0; step < open_cells; ++step) open |= mask::both(mask::dilated_6(open), soft);
   CutAreas areas;
   for (int a = 0; a < 3; ++a) {
     if (a == up.axis) continue;
@@ -271,7 +274,8 @@ Outcome<grid::HuVolume, HeadRegionResult> head_region(const grid::HuVolume& volu
       warnings.push_back(
           {"unusual_proportions",
            "the cranial cavity is {height_ratio:.2f} times as high as wide, where heads have 0.9 to 1.1: "
-           "the distance between its slices may be wrong; compare it with the scan's protocol",
+           "the distance between the slices may be wrong, or the skull is of an unusual shape; compare it with the "
+           "scan's protocol",
            {{"height_ratio", ratio}}});
   }
 

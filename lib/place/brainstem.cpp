@@ -31,28 +31,35 @@ double brainstem_mm(Vec3 p, Vec3 medulla_end) {
   return std::min(capsule_mm(p, midbrain, pons_end, 11.5, 12), capsule_mm(p, pons_end, medulla_end, 9, 6));
 }
 
+double beside_mm(Vec3 end, const HeadPlace& place) {
+  return std::hypot((end.x - template_medulla_end.x) * place.scale.x, (end.y - template_medulla_end.y) * place.scale.y);
+}
+
 std::optional<Vec3> find_medulla_end(const mask::BitMask& cavity, const HeadPlace& place) {
   const double unit_mm2 = place.scale.x * place.scale.y;
+  const grid::Lattice& l = cavity.lattice();
   std::vector<double> x,
       y;  // of all that is cavity at levels that are foramen; medians, for jugular foramina lie beside
   for (double z = first_z; z <= last_z; z += level_mm) {
     const std::size_t before = x.size();
+    bool scanned = true;  // where the scan's end cuts a section, its middle is nobody's
     for (double side = -reach_mm; side <= reach_mm; ++side)
       for (double back = -reach_mm; back <= reach_mm; ++back) {
-        const Vec3 t{template_medulla_end.x + side, template_medulla_end.y + back, z},
-            at = cavity.lattice().to_index(place.to_lps(t));
-        if (!cavity.at(int(std::lround(at.x)), int(std::lround(at.y)), int(std::lround(at.z)))) continue;
+        const Vec3 t{template_medulla_end.x + side, template_medulla_end.y + back, z}, at = l.to_index(place.to_lps(t));
+        const int i = int(std::lround(at.x)), j = int(std::lround(at.y)), k = int(std::lround(at.z));
+        scanned = scanned && l.contains(i, j, k);
+        if (!cavity.at(i, j, k)) continue;
         x.push_back(t.x);
         y.push_back(t.y);
       }
     const double mm2 = double(x.size() - before) * unit_mm2;
-    if (mm2 > foramen_mm2[0] && mm2 < foramen_mm2[1]) continue;
+    if (scanned && mm2 > foramen_mm2[0] && mm2 < foramen_mm2[1]) continue;
     x.resize(before);
     y.resize(before);
   }
   if (x.empty()) return {};
   const Vec3 end{median(x), median(y), template_medulla_end.z};
-  if (norm(end - template_medulla_end) > most_beside_mm) return {};
+  if (beside_mm(end, place) > most_beside_mm) return {};
   return end;
 }
 

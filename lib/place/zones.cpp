@@ -23,7 +23,7 @@ namespace {
 constexpr double cut_sigma_mm = 1, inside_hu = 200, margin_mm = 3;
 constexpr double third_reach_mm = 6;    ///< from the template's third ventricle; a wide one reaches farther to the side
 constexpr double least_third_ml = 0.1;  ///< a slit has more
-constexpr double least_cavity_ml = 300;  ///< of a newborn; a half head, which nothing closes, has some tens
+constexpr double least_cavity_ml = 300;  ///< of a small newborn; a half head, which nothing closes, has 30 to 200
 constexpr double base_z = 20, air_hu = -300, min_air_ml = 0.3;
 constexpr double air_share = 0.25, near_air_mm = 4;
 constexpr float some_air_hu = -60;
@@ -292,15 +292,14 @@ void check(const mask::BitMask& cavity, const ZoneShapes& shapes, const ZonePara
   if (params.what == Zone::dura && params.thickness_mm > 0 && params.thickness_mm < 2 * coarsest)
     throw Error(ExitCode::usage, "", "thickness_mm",
                 "is less than two voxels, which cannot hold a shell: give more, or 0 for all that the dura encloses");
-  if (const double ml = double(cavity.count()) * l.voxel_volume_mm3() / 1000; ml < least_cavity_ml)
-    throw refusal(
-        "",
-        fmt::format("the bone encloses {:.0f} ml, which is no whole cranial cavity (a newborn's has {:.0f} ml): "
-                    "where the scan's field cuts the head, nothing closes it",
-                    ml, least_cavity_ml),
-        {"take a scan that shows the skull on all sides, or a recipe without a brain, as ct_skull.yaml"});
   if (params.what == Zone::third_ventricle && !shapes.ventricles)
     throw Error(ExitCode::usage, "", "ventricles", "must be given: the third ventricle is a part of them");
+  if (const double ml = double(cavity.count()) * l.voxel_volume_mm3() / 1000; ml < least_cavity_ml)
+    throw refusal("",
+                  fmt::format("the bone encloses {:.0f} ml, and the smallest whole cranial cavity has {:.0f} ml: "
+                              "where the scan's field cuts the head, nothing closes it",
+                              ml, least_cavity_ml),
+                  {"take a scan that shows the skull on all sides, or a recipe without a brain, as ct_skull.yaml"});
 }
 
 }  // namespace
@@ -348,7 +347,7 @@ Outcome<grid::Field, ZoneResult> find_zone(const mask::BitMask& cavity, const Zo
   // What the scan itself shows: the inner table, or of the third ventricle the ventricles' walls.
   Vec3 medulla_end = template_medulla_end;
   if (const auto end = params.what == Zone::brainstem ? find_medulla_end(cavity, place) : std::nullopt) {
-    made.result.medulla_shift_mm = norm(*end - medulla_end);
+    made.result.medulla_shift_mm = beside_mm(*end, place);
     medulla_end = *end;
   }
   const grid::Box box = box_of_template(cavity.lattice(), whole, place, params, medulla_end);

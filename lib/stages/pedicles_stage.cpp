@@ -99,7 +99,7 @@ void take_given(const grid::Field& bone, const std::vector<cases::CaseLandmark>&
 StageType pedicles_stage() {
   StageType s;
   s.name = "pedicles";
-  s.version = 6;
+  s.version = 7;
   s.typical.base_s = 0.2;
   s.typical.per_million_voxels_s = 0.055;
   s.place = StagePlace::scan;

@@ -7,7 +7,7 @@ namespace trephine::stages {
 StageType zone_stage() {
   StageType s;
   s.name = "zone";
-  s.version = 10;
+  s.version = 11;
   s.typical.base_s = 0.1;
   s.typical.per_million_voxels_s = 0.008;
   s.typical.surface_million = 0.04;

@@ -17,9 +17,9 @@ namespace {
 constexpr double raster_mm = 0.6;
 constexpr double aside_mm = 50, before_mm = 60, behind_mm = 60;  // how far from the canal bone is looked at
 constexpr double walk_mm = 0.25;
-constexpr double sure = 0.5;                        // confidence
-constexpr double usual_level_ratio[2] = {0.42, 1};  // a given lumbar spine has 0.67, the phantom 0.55
-constexpr double max_height_mm = 30;                // from here on the confidence is 0, whatever the axis
+constexpr double sure = 0.5;               // confidence
+constexpr double least_level_ratio = 0.4;  // a given lumbar spine has 0.67, the phantom 0.55
+constexpr double max_height_mm = 30;       // from here on the confidence is 0, whatever the axis
 
 // The part of the bone that lies beside the canal.
 grid::Lattice raster_about(const grid::Field& bone, const grid::Field& canal) {
@@ -217,17 +217,20 @@ void pair_up(std::vector<Found>& all) {
   });
 }
 
-/// How far the nearest neighbours lie from each other, by how long the way from an entry to the front of the body is;
-/// nothing where no two sure ones of a side follow each other.
-std::optional<double> level_to_length(const std::vector<PedicleAxis>& all, double depth_ratio) {
-  std::optional<double> least;
-  for (const PedicleAxis& a : all)
-    for (const PedicleAxis& b : all) {
+/// How far levels lie from each other, by how long the way from an entry to the front of the body is: the median of the
+/// sure ones of a side that follow each other; nothing where there are none.
+std::optional<double> level_to_length(const std::vector<Found>& all, double depth_ratio) {
+  std::vector<double> ratios;
+  for (const Found& f : all)
+    for (const Found& g : all) {
+      const PedicleAxis &a = f.axis, &b = g.axis;
       if (b.vertebra != a.vertebra + 1 || b.left != a.left || a.confidence < sure || b.confidence < sure) continue;
       const double long_mm = 0.5 * (norm(a.target_mm - a.entry_mm) + norm(b.target_mm - b.entry_mm)) / depth_ratio;
-      least = std::min(least.value_or(1e9), norm(b.middle_mm - a.middle_mm) / long_mm);
+      ratios.push_back(norm(b.middle_mm - a.middle_mm) / long_mm);
     }
-  return least;
+  if (ratios.empty()) return {};
+  std::nth_element(ratios.begin(), ratios.begin() + std::ptrdiff_t(ratios.size() / 2), ratios.end());
+  return ratios[ratios.size() / 2];
 }
 
 }  // namespace
@@ -255,20 +258,21 @@ Outcome<std::vector<PedicleAxis>, PediclesFound> find_pedicles(const grid::Field
   });
   pair_up(found);
   judge_rises(found);
+  Warnings warnings;
+  if (const auto ratio = level_to_length(found, params.depth_ratio); ratio && *ratio < least_level_ratio) {
+    for (Found& f : found) doubt(f.axis, 0.45, "the levels lie too near to each other");
+    warnings.push_back({"unusual_levels",
+                        "the vertebrae lie {level_ratio:.2f} times as far from each other as they are long from behind "
+                        "to the front, where a lumbar spine has 0.6 or so: the distance between the slices may be "
+                        "wrong; compare it with the scan's protocol",
+                        {{"level_ratio", *ratio}}});
+  }
   std::vector<PedicleAxis> kept;
   for (const Found& f : found) kept.push_back(f.axis);
-  Warnings warnings;
   if (const std::size_t cut = places.size() - found.size(); cut > 0)
     warnings.push_back({"pedicles_cut_off",
                         "{cut_count} at the ends of the scan are cut off and left out",
                         {{"cut_count", static_cast<std::int64_t>(cut)}}});
-  if (const auto ratio = level_to_length(kept, params.depth_ratio);
-      ratio && (*ratio < usual_level_ratio[0] || *ratio > usual_level_ratio[1]))
-    warnings.push_back({"unusual_levels",
-                        "the vertebrae lie {level_ratio:.2f} times as far from each other as they are long from behind "
-                        "to the front, where spines have 0.5 to 0.7: the distance between the slices may be wrong; "
-                        "compare it with the scan's protocol",
-                        {{"level_ratio", *ratio}}});
   const PediclesFound counts{kept.back().vertebra, static_cast<std::int64_t>(kept.size())};
   progress.report(1);
   return {std::move(kept), counts, std::move(warnings)};

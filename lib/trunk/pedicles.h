@@ -61,8 +61,8 @@ struct PediclesFound {
 ///
 /// What it may fail to do: a pedicle that the scan's edge cuts is left out, with a warning; one that is fused with a
 /// rib, a graft or the next level is doubtful; with a joint close behind, the entry lies in the joint, and is doubtful.
-/// It counts vertebrae from below and names no level. A warning says where levels lie nearer to each other or farther
-/// apart than a spine's, as in slices whose distance is wrong. Confidence: half-width, how closed the narrowest
+/// It counts vertebrae from below and names no level. Where levels lie nearer to each other than a spine's, as in
+/// slices whose distance is wrong, all are doubtful, with a warning. Confidence: half-width, how closed the narrowest
 /// cross-section is, whether the axis leans as a pedicle's does (docs/reference/lesson-spine.md), its length, how well
 /// left and right mirror each other, also in width, and whether it rises as the others do.
 ///

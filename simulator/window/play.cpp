@@ -116,7 +116,7 @@ class Loop {
 
   // While coarser triangles come, pictures say nothing of what is reduced.
   void adapt(double ms) {
-    if (player_.view().stage().coarse_comes()) return;
+    if (player_.view().stage().coarse_comes() || (player_.lesson() && player_.lesson()->judging())) return;
     tell_reduced();
     if (player_.view().stage().renderer().rays().scale() > 0) return;  // rays fit themselves to the time they have
     if (pictures_ > first_pictures && reduction_.look(ms)) reduce();
