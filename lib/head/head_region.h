@@ -2,7 +2,7 @@
 #pragma once
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 
 namespace trephine::head {
