@@ -157,11 +157,33 @@ TEST(SegmentationBits, ComponentsOfNoiseAgreeWithAFloodFill) {
 }
 
 TEST(SegmentationBits, DistanceIsExact) {
-  const grid::Lattice l = anisotropic(23, 17, 9);
-  const mask::BitMask m = scatter(l, 300);
-  const grid::Grid<float> d = mask::distance_mm(m);
-  for_voxels(l, [&](int i, int j, int k) { ASSERT_NEAR(d.at(i, j, k), distance_by_search(m, i, j, k), 1e-4); });
-  EXPECT_GT(mask::distance_mm(mask::BitMask(l)).voxels[0], 1e5);
+  const grid::Lattice few = anisotropic(23, 17, 9), long_rows = anisotropic(70, 7, 5);
+  for (const mask::BitMask& m : {scatter(few, 300), scatter(long_rows, 12)}) {
+    const grid::Grid<float> d = mask::distance_mm(m);
+    for_voxels(m.lattice(),
+               [&](int i, int j, int k) { ASSERT_NEAR(d.at(i, j, k), distance_by_search(m, i, j, k), 1e-4); });
+  }
+  EXPECT_GT(mask::distance_mm(mask::BitMask(few)).voxels[0], 1e5);
+}
+
+// Also where the threshold lies between two floats, and in the last voxels of a row.
+TEST(SegmentationBits, ThresholdsAreExact) {
+  const grid::Lattice l = anisotropic(131, 2, 2);
+  grid::Grid<std::int16_t> whole(l);
+  grid::Grid<float> parts(l);
+  const float about[3] = {std::nextafter(0.1f, 0.f), 0.1f, std::nextafter(0.1f, 1.f)};
+  for (std::size_t v = 0; v < whole.voxels.size(); ++v) {
+    whole.voxels[v] = std::int16_t(int(v % 7) - 3);
+    parts.voxels[v] = about[v % 3];
+  }
+  for (const grid::HuVolume& volume : {grid::HuVolume(whole), grid::HuVolume(parts)})
+    for (const double threshold : {-1.5, -1.0, 0.0, 0.1, double(0.1f), 2.0}) {
+      const mask::HuView hu(volume);
+      const mask::BitMask found = mask::above(hu, threshold);
+      for_voxels(l, [&](int i, int j, int k) {
+        ASSERT_EQ(found.get(i, j, k), double(hu(i, j, k)) > threshold) << threshold << " " << i;
+      });
+    }
 }
 
 TEST(SegmentationBits, GaussianKeepsTheSumAndHasItsWidth) {
