@@ -48,6 +48,25 @@ TEST(HapticsFeed, GrowsWithTheForce) {
     }
 }
 
+// In a narrow hole of coarse voxels the tool goes on within one tick between the walls that hold it, and what holds it
+// is cut there and not all around.
+TEST(HapticsFeed, OfAMatchstickInCoarseVoxels) {
+  double most = 0;
+  for (const double force_n : {1.0, 3.0, 5.0}) {
+    FeedRun run;
+    run.kind = "matchstick";
+    run.voxel_mm = 1;
+    run.force_n = force_n;
+    const Feed is = feed_of(run);
+    const double radius = 0.5 * run.diameter_mm, swept_mm3 = M_PI * radius * radius * (is.depth_mm - radius) +
+                                                             2.0 / 3 * M_PI * radius * radius * radius;
+    std::printf("  %g N: %.1f mm/s, %.2f of the tool's way\n", force_n, is.feed_mm_per_s, is.removed_mm3 / swept_mm3);
+    EXPECT_GT(is.feed_mm_per_s, 0.9 * most) << force_n << " N";
+    EXPECT_LT(is.removed_mm3 / swept_mm3, 1.2) << force_n << " N";
+    most = std::max(most, is.feed_mm_per_s);
+  }
+}
+
 TEST(HapticsFeed, AStallIsReported) {
   FeedRun run;
   run.drilling.stall_force_n = 2;
@@ -59,7 +78,7 @@ TEST(HapticsFeed, AStallIsReported) {
 }
 
 // docs/validation/drilling.md has this table. Forces ascend, so `least` is how much of the largest feed of a smaller
-// force is left: 0.8 at least; of a matchstick in voxels of 1 mm 0.76 was measured once.
+// force is left: 0.9 at least; less where the hand lands aslant, slides off and mills its way back.
 TEST(LongHapticsFeed, OfEveryToolVoxelAndForce) {
   struct Row {
     const char* kind;
@@ -91,8 +110,7 @@ TEST(LongHapticsFeed, OfEveryToolVoxelAndForce) {
           if (row.tilt_deg > 45 && force_n >= 3) continue;  // such a hand slips over the surface
           EXPECT_GT(is.late_mm, 0.05) << "it stopped at " << is.depth_mm << " mm with " << force_n << " N";
           EXPECT_LT(is.stalled_s, force_n < 5 ? 1e-9 : 0.05);
-          const bool coarse = voxel_mm >= 1 && std::string(row.kind) == "matchstick";
-          EXPECT_GT(is.feed_mm_per_s, (coarse ? 0.75 : 0.8) * most) << force_n << " N";
+          EXPECT_GT(is.feed_mm_per_s, (row.tilt_deg > 0 ? 0.8 : 0.9) * most) << force_n << " N";
           if (most > 0) least = std::min(least, is.feed_mm_per_s / most);
           most = std::max(most, is.feed_mm_per_s);
           step_n = std::max(step_n, is.max_step_n);

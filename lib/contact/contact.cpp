@@ -62,8 +62,9 @@ Vec3 ContactVolume::exact_normal(const Contact& contact, Vec3 way) const {
   return trephine::contact::exact_normal(*felt_, contact, way);
 }
 
-int ContactVolume::samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, SurfaceSample* out, int most) const {
-  return trephine::contact::samples_near(*felt_, from_mm, to_mm, reach_mm, out, most);
+int ContactVolume::samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, SurfaceSample* out, int most,
+                                KnownSamples* known) const {
+  return trephine::contact::samples_near(*felt_, from_mm, to_mm, reach_mm, out, most, known);
 }
 
 }  // namespace trephine::contact

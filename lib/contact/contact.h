@@ -12,6 +12,7 @@
 namespace trephine::contact {
 
 struct FeltLattice;
+class KnownSamples;
 
 /// How a segment is followed through a haptic volume, and what counts as the surface there.
 struct ContactParams {
@@ -134,8 +135,9 @@ class ContactVolume {
 
   /// Writes the samples within reach of the line (or point) to `out`, at most `most`, without normals; returns how
   /// many. There is one on each edge between voxel centres whose ends are in different shapes, so they lie about a
-  /// voxel apart.
-  int samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, SurfaceSample* out, int most) const;
+  /// voxel apart. `known`: where they are remembered for the next calls.
+  int samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, SurfaceSample* out, int most,
+                   KnownSamples* known = nullptr) const;
   /// How often loosen() was called, modulo 2^32.
   std::uint32_t loosened() const;
 

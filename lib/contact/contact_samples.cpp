@@ -36,9 +36,73 @@ struct Part {
   double begin, end;
 };
 
+// The samples on the edges that begin at the voxels of a part of a row. `inner`: all their next voxels are in the
+// lattice.
+template <class Keep>
+void samples_of_row(const FeltLattice& felt, const KnownBlocks::Block& block, bool inner, int begin_i, int end_i, int j,
+                    int k, const Keep& keep) {
+  constexpr int side = 1 << KnownBlocks::block_bits;
+  const grid::Grid<std::int16_t>& v = felt.volume.voxels;
+  const bool hu = felt.volume.encoding == voxel::HapticEncoding::hu;
+  const std::size_t step[3] = {1, std::size_t(v.size[0]), std::size_t(v.size[0]) * std::size_t(v.size[1])};
+  const auto raw_at = [&](int i, int j, int k) {
+    return v.contains(i, j, k) ? voxel::detail::load_voxel(v.at(i, j, k))
+           : hu                ? std::int16_t(voxel::haptic_beyond_hu)
+                               : voxel::haptic_empty;
+  };
+  const unsigned mixed = inner ? felt.blocks.mixed_cells(block, j, k) : ~0u;
+  if (mixed == 0) return;
+  const std::int16_t* row = inner ? v.voxels.data() + v.index(0, j, k) : nullptr;
+  for (int i = begin_i; i <= end_i; ++i) {
+    if (!(mixed >> 2 * (i & (side - 1)) & 1)) continue;
+    std::int16_t raw, beside[3];
+    if (inner) {
+      const std::int16_t* at = row + i;
+      raw = voxel::detail::load_voxel(*at);
+      for (int a = 0; a < 3; ++a) beside[a] = voxel::detail::load_voxel(at[step[a]]);
+    } else {
+      raw = raw_at(i, j, k);
+      for (int a = 0; a < 3; ++a) beside[a] = raw_at(i + (a == 0), j + (a == 1), k + (a == 2));
+    }
+    if (raw == beside[0] && raw == beside[1] && raw == beside[2]) continue;  // most are
+    const std::uint32_t here = felt.table.of(raw);
+    const int shape = shape_of_entry(here);
+    for (int a = 0; a < 3; ++a) {
+      const std::uint32_t next = felt.table.of(beside[a]);
+      const int other = shape_of_entry(next);
+      if (other == shape) continue;
+      Vec3 p{double(i), double(j), double(k)};
+      p[a] += hu ? crossing_of_hu(felt.table, raw, beside[a]) : crossing_of(here, next);
+      keep(v.to_world_mm(p), shape, other);
+    }
+  }
+}
+
 }  // namespace
 
-int samples_near(const FeltLattice& felt, Vec3 from_mm, Vec3 to_mm, double reach_mm, SurfaceSample* out, int most) {
+KnownSamples::KnownSamples() : blocks_(most_blocks), samples_(most_blocks * most_of_block) {}
+
+KnownSamples::Of KnownSamples::of(const FeltLattice& felt, const KnownBlocks::Block& block, int bi, int bj, int bk) {
+  constexpr int side = 1 << KnownBlocks::block_bits;
+  const std::size_t place = (block.index * 0x9e3779b97f4a7c15) >> (64 - most_blocks_bits);
+  Block& known = blocks_[place];
+  Sample* const first = samples_.data() + place * most_of_block;
+  const bool lasts = block.loosened == 0 || frame_ - known.frame < frames_known;
+  if (known.index == block.index && known.loosened == block.loosened && lasts)
+    return known.count <= most_of_block ? Of{first, known.count} : Of{};
+  known = {block.index, block.loosened, frame_, 0};
+  const auto keep = [&](Vec3 at, int low, int high) {
+    if (known.count < most_of_block) first[known.count] = {at, std::uint8_t(low), std::uint8_t(high)};
+    ++known.count;
+  };
+  for (int k = bk * side; k < (bk + 1) * side; ++k)
+    for (int j = bj * side; j < (bj + 1) * side; ++j)
+      samples_of_row(felt, block, true, bi * side, bi * side + side - 1, j, k, keep);
+  return known.count <= most_of_block ? Of{first, known.count} : Of{};
+}
+
+int samples_near(const FeltLattice& felt, Vec3 from_mm, Vec3 to_mm, double reach_mm, SurfaceSample* out, int most,
+                 KnownSamples* known) {
   if (!detail::usable(from_mm) || !detail::usable(to_mm)) return 0;
   const grid::Grid<std::int16_t>& v = felt.volume.voxels;
   const Vec3 c = felt.to_index(from_mm), along = felt.to_index(to_mm) - c, way = to_mm - from_mm;
@@ -58,13 +122,10 @@ int samples_near(const FeltLattice& felt, Vec3 from_mm, Vec3 to_mm, double reach
     const double q = (block * side + side + reach[a] + 1 - c[a]) / along[a];
     return Part{std::max(t.begin, std::min(p, q)), std::min(t.end, std::max(p, q))};
   };
-  const std::size_t step[3] = {1, std::size_t(v.size[0]), std::size_t(v.size[0]) * std::size_t(v.size[1])};
-  const bool hu = felt.volume.encoding == voxel::HapticEncoding::hu;
   int count = 0;
-  const auto raw_at = [&](int i, int j, int k) {
-    return v.contains(i, j, k) ? voxel::detail::load_voxel(v.at(i, j, k))
-           : hu                ? std::int16_t(voxel::haptic_beyond_hu)
-                               : voxel::haptic_empty;
+  const auto keep = [&](Vec3 at, int low, int high) {
+    if (squared_from_line(at, from_mm, to_mm) > reach_mm * reach_mm || count == most) return;
+    out[count++] = {at, {}, std::uint8_t(low), std::uint8_t(high)};
   };
   // Around a point, how far the row of voxels (j, k) lies within reach; negative where it does not. A sample lies up to
   // one voxel behind its voxel.
@@ -95,44 +156,22 @@ int samples_near(const FeltLattice& felt, Vec3 from_mm, Vec3 to_mm, double reach
         if (block.shape < KnownBlocks::mixed_block || !block_is_near(bi, bj, bk)) continue;
         const bool inner = bi >= 0 && bj >= 0 && bk >= 0 && (bi + 1) * side < v.size[0] &&
                            (bj + 1) * side < v.size[1] && (bk + 1) * side < v.size[2];
-        for (int k = std::max(low_k, bk * side); k <= std::min(high_k, bk * side + side - 1); ++k)
-          for (int j = std::max(low_j, bj * side); j <= std::min(high_j, bj * side + side - 1); ++j) {
-            int begin_i = std::max(low_i, bi * side), end_i = std::min(high_i, bi * side + side - 1);
-            if (!(way_squared > 0)) {
-              const double half = half_row(j, k);
-              if (half < 0) continue;
-              begin_i = std::max(begin_i, int(c.x - half) - 1);
-              end_i = std::min(end_i, int(c.x + half) + 1);
-            }
-            const unsigned mixed = inner ? felt.blocks.mixed_cells(block, j, k) : ~0u;
-            if (mixed == 0) continue;
-            const std::int16_t* row = inner ? v.voxels.data() + v.index(0, j, k) : nullptr;
-            for (int i = begin_i; i <= end_i; ++i) {
-              if (!(mixed >> 2 * (i & (side - 1)) & 1)) continue;
-              std::int16_t raw, beside[3];
-              if (inner) {
-                const std::int16_t* at = row + i;
-                raw = voxel::detail::load_voxel(*at);
-                for (int a = 0; a < 3; ++a) beside[a] = voxel::detail::load_voxel(at[step[a]]);
-              } else {
-                raw = raw_at(i, j, k);
-                for (int a = 0; a < 3; ++a) beside[a] = raw_at(i + (a == 0), j + (a == 1), k + (a == 2));
+        const KnownSamples::Of of = known && inner ? known->of(felt, block, bi, bj, bk) : KnownSamples::Of{};
+        if (!of.first) {
+          for (int k = std::max(low_k, bk * side); k <= std::min(high_k, bk * side + side - 1); ++k)
+            for (int j = std::max(low_j, bj * side); j <= std::min(high_j, bj * side + side - 1); ++j) {
+              int begin_i = std::max(low_i, bi * side), end_i = std::min(high_i, bi * side + side - 1);
+              if (!(way_squared > 0)) {
+                const double half = half_row(j, k);
+                if (half < 0) continue;
+                begin_i = std::max(begin_i, int(c.x - half) - 1);
+                end_i = std::min(end_i, int(c.x + half) + 1);
               }
-              if (raw == beside[0] && raw == beside[1] && raw == beside[2]) continue;  // most are
-              const std::uint32_t here = felt.table.of(raw);
-              const int shape = shape_of_entry(here);
-              for (int a = 0; a < 3; ++a) {
-                const std::uint32_t next = felt.table.of(beside[a]);
-                const int other = shape_of_entry(next);
-                if (other == shape) continue;
-                Vec3 p{double(i), double(j), double(k)};
-                p[a] += hu ? crossing_of_hu(felt.table, raw, beside[a]) : crossing_of(here, next);
-                const Vec3 world = v.to_world_mm(p);
-                if (squared_from_line(world, from_mm, to_mm) > reach_mm * reach_mm || count == most) continue;
-                out[count++] = {world, {}, std::uint8_t(shape), std::uint8_t(other)};
-              }
+              samples_of_row(felt, block, inner, begin_i, end_i, j, k, keep);
             }
-          }
+          continue;
+        }
+        for (int n = 0; n < of.count; ++n) keep(of.first[n].point_mm, of.first[n].low, of.first[n].high);
       }
     }
   }

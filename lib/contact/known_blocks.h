@@ -29,6 +29,7 @@ class KnownBlocks {
     int shape = outer_block;          ///< of all its voxels, 0 for none; or one of the two above
     bool details_known = false;       ///< cell_shape() may be asked
     std::uint32_t near = all_shapes;  ///< shapes near it, bit n - 1 for shape n
+    std::uint32_t loosened = 0;       ///< how often it was
   };
 
   /// Both must outlive the object. `cells`: it is also noted which cells of a sub-voxel surface are of one shape.
@@ -49,6 +50,7 @@ class KnownBlocks {
     b.index = block_at(bi, bj, bk);
     const std::uint32_t state = state_of_block(b.index);
     b.shape = shape_in(state);
+    b.loosened = state / one_loosening;
     b.details_known = (state & details_known) != 0;
     if (b.shape == mixed_block && b.details_known) b.near = __atomic_load_n(&block_near_[b.index], __ATOMIC_RELAXED);
     return b;

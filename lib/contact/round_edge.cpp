@@ -36,8 +36,9 @@ double edge_within_mm(double radius_mm, double voxel_mm) {
 
 }  // namespace
 
-RoundEdge::RoundEdge(const ContactVolume& contact, double radius_mm)
+RoundEdge::RoundEdge(const ContactVolume& contact, double radius_mm, KnownSamples& known)
     : contact_(contact),
+      known_(known),
       voxel_mm_(largest(contact.volume().voxels.spacing_mm)),
       widest_mm_(edge_within_mm(radius_mm, voxel_mm_)) {
   const Vec3 s = contact.volume().voxels.spacing_mm;
@@ -47,7 +48,7 @@ RoundEdge::RoundEdge(const ContactVolume& contact, double radius_mm)
 }
 
 void RoundEdge::look(Vec3 place, double reach, int from, int into) {
-  const int all = contact_.samples_near(place, place, reach, samples_.data(), int(samples_.size()));
+  const int all = contact_.samples_near(place, place, reach, samples_.data(), int(samples_.size()), &known_);
   looked_at_ += all;
   count_ = 0;
   for (int n = 0; n < all; ++n) {

@@ -13,8 +13,8 @@ namespace trephine::contact {
 /// hole does at its rim, is taken as an arc. Only the constructor allocates.
 class RoundEdge {
  public:
-  /// `radius_mm`: at most, of a tool.
-  RoundEdge(const ContactVolume& contact, double radius_mm);
+  /// `radius_mm`: at most, of a tool. `known`: the samples that it knows already.
+  RoundEdge(const ContactVolume& contact, double radius_mm, KnownSamples& known);
 
   /// Whether the surface between these two shapes (`from`: on the tool's side) has an edge near the place at which a
   /// tool of that radius touches: it falls off steeply behind the plane with that normal. Then the faces are looked up,
@@ -63,6 +63,7 @@ class RoundEdge {
   double along_to(Vec3 place_mm) const;
 
   const ContactVolume& contact_;
+  KnownSamples& known_;
   const double voxel_mm_, widest_mm_;
   std::vector<SurfaceSample> samples_;
   int count_ = 0, looked_at_ = 0, taken_count_ = 0;

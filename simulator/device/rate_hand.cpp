@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptics/turned_about.h"
+#include "touch/frames.h"
 
 namespace trephine::device {
 namespace {
@@ -14,7 +14,7 @@ constexpr double spring_damping = 0.006;
 
 Vec3 turned_by(Vec3 v, Vec3 rad) {
   const double angle = norm(rad);
-  return angle > 0 ? haptics::turned_about(v, rad / angle, angle) : v;
+  return angle > 0 ? touch::turned_about(v, rad / angle, angle) : v;
 }
 
 }  // namespace

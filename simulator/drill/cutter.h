@@ -15,6 +15,15 @@ struct Cutter {
   bool round_end = false;  ///< of a cylinder with a = b: its end at the tip is a half ball
 };
 
+/// How much more than itself a cutter takes: on all sides, and about up to three places that hold its tool.
+struct Wider {
+  double mm = 0, held_mm = 0;  ///< on all sides; at such a place, two voxels from which it is mm again
+  int places = 0;
+  Vec3 at_mm[3];
+  Wider(double on_all_sides_mm = 0) : mm(on_all_sides_mm) {}
+  double most_mm() const { return places > 0 && held_mm > mm ? held_mm : mm; }
+};
+
 /// The pose of a tool: its foremost point, and a frame whose third column points from the tip to the tail.
 struct ToolPose {
   Vec3 tip_mm;

@@ -68,7 +68,8 @@ void Drill::hold(int number) {
   rest();
 }
 
-const Removal& Drill::cut_way(const ToolPose& pose, Vec3 to_tip_mm, double wider_mm, double dt_s, double power_ratio) {
+const Removal& Drill::cut_way(const ToolPose& pose, Vec3 to_tip_mm, const Wider& wider, double dt_s,
+                              double power_ratio) {
   voxels_.begin();
   ToolPose from = pose;
   // A tool that went less than half a voxel overlaps with where it was.
@@ -80,7 +81,7 @@ const Removal& Drill::cut_way(const ToolPose& pose, Vec3 to_tip_mm, double wider
   runs_ = true;
   const double energy_j = power_w_ * std::max(power_ratio, 0.0) * dt_s;
   if (!(energy_j > 0 && dt_s > 0)) return go_ways(dt_s);
-  const ToolWay way{from, to_tip_mm, wider_mm, dt_s, energy_j, 1, 0, held_, power_ratio > 1};
+  const ToolWay way{from, to_tip_mm, wider, dt_s, energy_j, 1, 0, held_, power_ratio > 1};
   if (!ways_.join(way)) {
     // Where the cutter was changed so often that no place became free, the oldest way is cut to its end first.
     while (ways_.full()) cut_pass();
@@ -114,7 +115,7 @@ void Drill::cut_pass() {
   ToolWay& w = ways_.oldest();
   w.passes = ways_.passes_of(w);
   const std::int64_t before = units_of(voxels_.removed());
-  voxels_.collect(CutterBody(ways_.cutter(w.cutter), w.from, w.to_tip_mm, w.wider_mm, lattice_), w.time_s, w.pass,
+  voxels_.collect(CutterBody(ways_.cutter(w.cutter), w.from, w.to_tip_mm, w.wider, lattice_), w.time_s, w.pass,
                   w.passes);
   voxels_.cut(w.energy_j / w.passes);
   if (!runs_ || norm(w.to_tip_mm - end_.tip_mm) > gone_on)

@@ -28,7 +28,7 @@ class Drill {
   Drill(voxel::HapticVolume& volume, const DrillShapes& shapes, const Cutter& cutter, const DrillParams& params,
         DirtyBricks* marks = nullptr);
 
-  /// The tool runs: it cuts what lies within the cutter, grown by `wider_mm`, at `pose`, on the way to `to_tip_mm`, and
+  /// The tool runs: it cuts what lies within the cutter, made wider, at `pose`, on the way to `to_tip_mm`, and
   /// along the whole way from where the last call ended, however fast it goes. A voxel keeps what lies outside, as a
   /// ramp of a voxel to each side of the cutter's surface (CutterBody), so that the surface of half occupancy is the
   /// cutter's. What the power or the rate leaves is removed by the next calls, as long as the tool stands there. The
@@ -38,7 +38,7 @@ class Drill {
   /// A call looks at some 8,000 voxels; where a way has more, the next calls go on with it, and what the tool goes on
   /// meanwhile is added up, as long as it goes straight to a quarter of a voxel (or 32 ways wait). So nothing is left
   /// out; Removal says what is late.
-  const Removal& cut_way(const ToolPose& pose, Vec3 to_tip_mm, double wider_mm, double dt_s, double power_ratio = 1);
+  const Removal& cut_way(const ToolPose& pose, Vec3 to_tip_mm, const Wider& wider, double dt_s, double power_ratio = 1);
   /// Goes on with that while the tool does not run.
   const Removal& cut_late(double dt_s);
   bool late() const { return !ways_.empty(); }

@@ -34,7 +34,7 @@ Vec3 tip_in(const Cutter& c, const Mat3& frame, const ToolPose& pose) {
 double ToolWays::voxels_of(const ToolWay& way) const {
   const Vec3 s = lattice_.spacing_mm;
   const Cutter& cutter = this->cutter(way.cutter);
-  const double ramp = std::max({s.x, s.y, s.z}), radius = 0.5 * width_of(cutter) + way.wider_mm + ramp;
+  const double ramp = std::max({s.x, s.y, s.z}), radius = 0.5 * width_of(cutter) + way.wider.most_mm() + ramp;
   const double length = norm(way.to_tip_mm - way.from.tip_mm) + length_of(cutter);
   return (M_PI * radius * radius * length + 4.0 / 3 * M_PI * radius * radius * radius) / lattice_.voxel_volume_mm3();
 }
@@ -59,7 +59,10 @@ bool ToolWays::join(ToolWay& last, const ToolWay& way, bool always) const {
   last.from.tip_mm = tip_in(cutter, way.from.frame, last.from);
   last.from.frame = way.from.frame;
   last.to_tip_mm = way.to_tip_mm;
-  last.wider_mm = std::max(last.wider_mm, way.wider_mm);
+  const drill::Wider was = last.wider;
+  last.wider = way.wider;
+  last.wider.mm = std::max(was.mm, way.wider.mm);
+  last.wider.held_mm = std::max(was.held_mm, way.wider.held_mm);
   last.time_s += way.time_s;
   last.energy_j += way.energy_j;
   return true;

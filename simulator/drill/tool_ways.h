@@ -12,7 +12,8 @@ namespace trephine::drill {
 struct ToolWay {
   ToolPose from;
   Vec3 to_tip_mm;
-  double wider_mm = 0, time_s = 0, energy_j = 0;
+  Wider wider;
+  double time_s = 0, energy_j = 0;
   int passes = 1, pass = 0;
   int cutter = 0;       ///< number in ToolWays
   bool breaks = false;  ///< what lies there breaks away, and its energy is no power's

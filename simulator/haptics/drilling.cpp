@@ -19,9 +19,10 @@ constexpr double min_depth_mm = 1;      // of a way through bone that counts as 
 // that share of its power, and how much slower it becomes narrower again.
 constexpr double max_bite_voxels = 0.4, max_wider_voxels = 1, widening_voxels_per_s = 40, narrowing = 0.3, breaking = 4,
                  idle_ratio = 0.6;
-constexpr double across_counts_n = 0.1;  // less is the drill's own swing
-constexpr double breaking_w = 1e4;       // so that nothing of what breaks is left by the power
-constexpr double usual_height_mm = 8;    // of a cylinder, where the tool's kind says nothing
+constexpr double for_shaft_voxels = 0.15;  // how much wider, at most, for a shaft that is as wide as its cutter
+constexpr double across_counts_n = 0.1;    // less is the drill's own swing
+constexpr double breaking_w = 1e4;         // so that nothing of what breaks is left by the power
+constexpr double usual_height_mm = 8;      // of a cylinder, where the tool's kind says nothing
 
 // "a, b or c".
 std::string kinds_that_cut() {
@@ -115,6 +116,7 @@ void Drilling::measure_burr() {
   least_pass_units_ = M_PI * radius_mm * radius_mm / 4 * min_depth_mm / voxel_mm3_ * voxel::haptic_full;
   rim_m_per_s_ = params_.spindle_rpm / 60 * 2 * M_PI * radius_mm / 1000;
   heat_.set_radius(radius_mm);
+  ramp_voxels_ = drill::ramp_voxels(burrs_[std::size_t(burr_)].cutter, before_.voxels);
 }
 
 void Drilling::hold(int burr) {
@@ -160,10 +162,25 @@ void Drilling::cut_late(double dt_s) {
   if (drill_.late()) count(drill_.cut_late(dt_s));
 }
 
+// About the places that hold the tool; on all sides where that is not enough and where the tip is in no bone, and a
+// little for a shaft that follows.
+drill::Wider Drilling::wider(const HapticState& state) const {
+  const double voxel_mm = contact_.smallest_side_mm();
+  if (!in_bone_ || letting_go_.is_through() || letting_go_.breaks()) return wider_voxels_ * voxel_mm;
+  const drill::Cutter& c = drill_.cutter();
+  const bool shaft_follows = c.kind == drill::Cutter::Kind::cylinder && !c.round_end;
+  drill::Wider w = voxel_mm * std::max(shaft_follows ? std::min(wider_voxels_, for_shaft_voxels) : 0.0,
+                                       2 * wider_voxels_ - max_wider_voxels);
+  w.held_mm = wider_voxels_ * voxel_mm;
+  w.places = state.held_at;
+  std::copy(state.held_mm, state.held_mm + state.held_at, w.at_mm);
+  return w;
+}
+
 // The cutter where the tool is shown. It bites as far as the tool is pressed, at most half a voxel, and takes the power
 // that the pressure allows: the force along the feed is reaction_ratio times power by the speed of the rim. What holds
 // the tool is always cut: where a pressed tool finds nothing to remove, because discs and voxels are coarser than its
-// own surface, it cuts a little wider until it does.
+// own surface, it cuts a little wider there until it does.
 double Drilling::cut(const HapticInput& in, const HapticState& state) {
   const double voxel_mm = contact_.smallest_side_mm();
   const bool on_mesh = touch::is_mesh(state.touched);  // which no drill cuts
@@ -184,9 +201,11 @@ double Drilling::cut(const HapticInput& in, const HapticState& state) {
   const double most_mm = std::min(max_bite_voxels * voxel_mm, breaks ? letting_go_.most_mm() : 1e9);
   if (const double length = norm(bite); length > most_mm) bite = bite * (most_mm / length);
   const drill::Removal& r = drill_.cut_way(turned_pose(state.proxy_mm, state.axis, state.across), state.proxy_mm + bite,
-                                           wider_voxels_ * voxel_mm, in.dt_s, max_w / power_w_);
+                                           wider(state), in.dt_s, max_w / power_w_);
   const bool idle = (pressed || breaks) && r.power_w < idle_ratio * std::min(max_w, power_w_);
-  const double change = (idle ? letting_go_.is_loose() ? breaking : 1 : -narrowing) * widening_voxels_per_s * in.dt_s;
+  // Less stands beside a narrow cutter while bone breaks: it would be through before its force is gone.
+  const double widens = letting_go_.is_loose() ? breaking : breaks ? 2 * ramp_voxels_ - 1 : 1;
+  const double change = (idle ? widens : -narrowing) * widening_voxels_per_s * in.dt_s;
   wider_voxels_ = std::clamp(wider_voxels_ + change, 0.0, max_wider_voxels);
   count(r, breaks);
   return breaks ? 0 : r.power_w;

@@ -8,6 +8,7 @@
 #include "base/params.h"
 #include "cases/case.h"
 #include "drill/bone_heat.h"
+#include "drill/cutter_body.h"
 #include "drill/drill.h"
 #include "drill/letting_go.h"
 #include "haptics/burrs.h"
@@ -133,6 +134,7 @@ class Drilling {
   void cut_late(double dt_s);
   void feel_heat(bool runs, double dt_s);
   double cut(const HapticInput& in, const HapticState& state);
+  drill::Wider wider(const HapticState& state) const;
   drill::ToolPose turned_pose(Vec3 tip_mm, Vec3 axis, Vec3 across) const;
   void watch_breach(const HapticInput& in, Vec3 tip_mm);
   void let_go(const HapticInput& in, const HapticState& state);
@@ -156,7 +158,8 @@ class Drilling {
   double power_ = 0, time_s_ = 0, rim_m_per_s_ = 1;
   std::uint32_t buttons_ = 0;
   double wider_voxels_ = 0;  ///< than the tool, of what it cuts
-  struct Stand {             ///< what taking back changes of the outcome
+  double ramp_voxels_ = 1;
+  struct Stand {  ///< what taking back changes of the outcome
     std::array<std::int64_t, voxel::haptic_max_shapes + 1> units;
     int incisions;
     bool breached, in_bone;

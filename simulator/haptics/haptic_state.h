@@ -55,6 +55,8 @@ struct HapticState {
   int face = 0;         ///< 1 front, 2 back, 0 without contact
   int inside = 0;       ///< the shape that the proxy's tip is in, of round tools the middle of their end; 0 for none
   int held_by = 0;      ///< count of the surfaces that press
+  int held_at = 0;      ///< at how many places surfaces hold the tool
+  Vec3 held_mm[3];      ///< these
   bool locked = false;  ///< whether the tool's orientation is locked (docs/reference/hand-tools.md, Tools)
   std::uint32_t events = 0, faults = 0;
 };

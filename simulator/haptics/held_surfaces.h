@@ -14,6 +14,7 @@ struct HeldSurface {
   cases::CaseFace feel;
   Grain grain;
   Vec3 arm_mm;  ///< from the tip to where it presses
+  Vec3 at_mm;   ///< where it was touched
 };
 
 /// The up to three surfaces that hold a proxy back in a frame, as planes for one point of it, and what the hand feels

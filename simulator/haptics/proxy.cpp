@@ -168,6 +168,8 @@ Vec3 Proxy::surface_force(Vec3 held_mm, Vec3 device_mm) {
   state.touched = felt.shape;
   state.face = felt.face;
   state.held_by = felt.count;
+  state.held_at = ground_.surfaces.count();
+  for (int n = 0; n < state.held_at; ++n) state.held_mm[n] = ground_.surfaces.surface(n).at_mm;
   state.normal = felt.normal;
   pressed_n_mm_ = felt.torque_n_mm;
   return felt.force_n;

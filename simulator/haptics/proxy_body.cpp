@@ -34,7 +34,7 @@ HeldSurface ProxyGround::held(const contact::Contact& c) const {
     feel.damping_n_s_per_mm *= held_ratio;
   }
   feel.stiffness_n_per_mm *= contact.stiffness_ratio(c);
-  return {c.shape, front ? 1 : 2, c.into, feel, Grain(shape, feel), {}};
+  return {c.shape, front ? 1 : 2, c.into, feel, Grain(shape, feel), {}, c.point_mm};
 }
 
 bool ProxyGround::pops(int place) const {

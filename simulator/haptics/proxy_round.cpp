@@ -13,6 +13,7 @@ constexpr double turn_step_ratio = 0.25;  // of the smallest radius or voxel sid
 constexpr double max_looks = 4000;        // places that are tried in a frame, on the way out of bone
 constexpr double touching_ratio = 0.02;   // of a voxel's side: as deep as discs let a round tool be
 constexpr int out_tries = 4;
+constexpr double drawn_share = 1.5;  // of a frame's work, after which the next frames go on to try places
 
 }  // namespace
 
@@ -298,7 +299,7 @@ void ProxyRound::slide_out(Vec3 device) {
   }
   Place best = look(centre_mm_, state_.axis);
   const double touches_mm = touching_ratio * contact_.smallest_side_mm();  // counts as free
-  for (int n = 0; n < drawn_.tries(); ++n) {
+  for (int n = 0; n < drawn_.tries() && !(n > 0 && body_.busy(drawn_share)); ++n) {
     const DrawnOut::Place to = drawn_.next(frame_along(state_.axis), ground_.step_mm);
     const Vec3 axis = to.frame.column[2];
     const Vec3 turned_mm = (axis - state_.axis) * body_.centre_mm();  // of the centre, about the tip

@@ -70,7 +70,7 @@ RoundBody::RoundBody(const contact::ContactVolume& contact, std::vector<RoundPar
       parts_(std::move(parts)),
       centre_mm_(parts_[0].from_mm),
       normals_(contact),
-      edge_(contact, largest_radius(parts_)) {
+      edge_(contact, largest_radius(parts_), known_) {
   const Vec3 s = contact.volume().voxels.spacing_mm;
   disc_mm_ = 0.6 * std::max({s.x, s.y, s.z});
   margin_mm_ = 0.5 * contact.smallest_side_mm();
@@ -97,6 +97,7 @@ RoundBody::RoundBody(const contact::ContactVolume& contact, std::vector<RoundPar
 }
 
 void RoundBody::begin_frame() {
+  known_.begin_frame();
   calls_ = 0;
   spent_ = 0;
   const std::uint32_t now = contact_.loosened();
@@ -154,18 +155,22 @@ void RoundBody::look(Vec3 centre_mm, Vec3 axis) {
   const Vec3 end = centre_mm + axis * length_mm_;
   if (samples_.around(centre_mm, end, margin_mm_)) return;
   // Where voxels change in each frame, a wide look would serve only once.
-  if (looks_++ == 0 || !look_in_wide(centre_mm, end))
-    samples_.found(contact_.samples_near(centre_mm, end, reach_mm_, samples_.at.data(), int(samples_.at.size())),
-                   centre_mm, end);
-  spent_ += std::min(spent_by_look, 7 * samples_.count);  // in air it is soon done
+  const bool in_wide = looks_++ > 0 && look_in_wide(centre_mm, end);
+  if (!in_wide)
+    samples_.found(
+        contact_.samples_near(centre_mm, end, reach_mm_, samples_.at.data(), int(samples_.at.size()), &known_),
+        centre_mm, end);
+  spent_ += std::min(in_wide ? spent_in_wide : spent_by_look, 7 * samples_.count);  // in air it is soon done
 }
 
 // Takes from the wide look, in the same order, what samples_near() would find; false where that holds too much.
 bool RoundBody::look_in_wide(Vec3 centre_mm, Vec3 end_mm) {
   const int most = int(wide_.at.size());
-  if (!wide_.around(centre_mm, end_mm, wider_mm_ * (1 - 1e-6)))
-    wide_.found(contact_.samples_near(centre_mm, end_mm, reach_mm_ + wider_mm_, wide_.at.data(), most), centre_mm,
-                end_mm);
+  if (!wide_.around(centre_mm, end_mm, wider_mm_ * (1 - 1e-6))) {
+    spent_ += spent_by_look;
+    wide_.found(contact_.samples_near(centre_mm, end_mm, reach_mm_ + wider_mm_, wide_.at.data(), most, &known_),
+                centre_mm, end_mm);
+  }
   if (wide_.count == most) return false;
   const Vec3 axis = length_mm_ > 0 ? (end_mm - centre_mm) / length_mm_ : Vec3{};
   wide_.squares_from_line(centre_mm, axis, 0, length_mm_, squares_.data());
@@ -190,9 +195,9 @@ void RoundBody::find_within(Vec3 centre_mm, Vec3 axis) {
     samples_.squares_from_line(centre_mm, axis, parts_[m].from_mm, parts_[m].to_mm, squares_.data());
     const double far = parts_[m].radius_mm + disc_mm_ + rounding_mm;
     const float far_squared = float(far * far);
-    const int others = m > 0 ? 1 : 0;
+    const int before = (1 << m) - 1;
     for (std::size_t n = 0; n < std::size_t(samples_.count); ++n)
-      within_[n] = char((within_[n] & others) | int(squares_[n] <= far_squared));
+      within_[n] = char((within_[n] & before) | int(squares_[n] <= far_squared) << m);
   }
 }
 
@@ -206,15 +211,19 @@ Vec3 RoundBody::normal_of(const contact::SurfaceSample& s) {
 RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const contact::TouchableFaces& faces) {
   look(centre_mm, axis);
   ++calls_;
-  spent_ += samples_.count;
+  spent_ += samples_.count / 16;
   find_within(centre_mm, axis);
   near_count_ = 0;
   Touch t;
   const bool alone = is_ball();
+  int within = 0, discs = 0;
   for (int n = 0; n < samples_.count; ++n) {
     if (within_[std::size_t(n)] == 0) continue;
+    ++within;
     contact::SurfaceSample& s = samples_.at[std::size_t(n)];
-    for (const RoundPart& p : parts_) {
+    for (std::size_t m = 0; m < parts_.size(); ++m) {
+      if (!(within_[std::size_t(n)] >> m & 1)) continue;
+      const RoundPart& p = parts_[m];
       const bool rod = p.to_mm > p.from_mm;
       double at = rod ? std::clamp(dot(s.point_mm - centre_mm, axis), p.from_mm, p.to_mm) : p.from_mm;
       Vec3 middle = centre_mm + axis * at, r = middle - s.point_mm;
@@ -226,10 +235,12 @@ RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const
         s.normal = normal_of(s);
         if (s.normal == Vec3{}) s.normal = normalized(r);
       }
-      // No place of the line that is near enough to the disc's middle is near enough to its plane.
-      const double off = std::abs(dot(r, s.normal)) - (p.radius_mm - useless) - certain, lean = dot(axis, s.normal);
-      const double widest = p.radius_mm + disc_mm_ + certain;
-      if (off > 0 && (!rod || lean * lean * (widest * widest - dot(r, r)) <= off * off)) continue;
+      // The line lies behind the plane through its nearest place to the disc's middle, and towards it the disc reaches
+      // as far as it leans.
+      const double squared = dot(r, r), to_plane = dot(r, s.normal), length = std::sqrt(squared);
+      const double off = length - (p.radius_mm - useless) - certain;
+      if (off > 0 && off * length >= disc_mm_ * std::sqrt(std::max(0.0, squared - to_plane * to_plane))) continue;
+      ++discs;
       const Disc disc{s.point_mm, s.normal, disc_mm_};
       if (rod) {
         at = nearest_on_line(disc, centre_mm, axis, p.from_mm, p.to_mm);
@@ -264,6 +275,7 @@ RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const
       t.contact.shape = front ? into : from;
     }
   }
+  spent_ += within / 4 + 2 * discs;
   if (t.hit) {
     find_beside(t);
     smooth_normal(t);
@@ -310,7 +322,7 @@ void RoundBody::set_on_edge(Touch& t, Vec3 axis) {
   const contact::Contact& c = t.contact;
   int computed = 0;
   const bool edge = edge_.find(c.point_mm, c.normal, t.radius_mm, c.from, c.into, normals_, computed);
-  spent_ += edge_.looked_at() + computed * spent_by_normal;
+  spent_ += 2 * edge_.looked_at() + computed * spent_by_normal;
   if (!edge) return;
   const double gap = t.radius_mm - t.depth_mm;
   const Vec3 middle = c.point_mm + c.normal * gap;

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "contact/contact.h"
+#include "contact/contact_samples.h"
 #include "contact/known_normals.h"
 #include "contact/round_edge.h"
 #include "haptics/tool.h"
@@ -36,7 +36,7 @@ class RoundBody {
   /// Must be called once in each frame: what was learnt of the volume is forgotten where it was loosened since.
   void begin_frame();
 
-  /// Whether this frame has looked at as many discs as that share of one may: a rod moves and turns in many steps, and
+  /// Whether this frame has done as much as that share of what one may: a rod moves and turns in many steps, and
   /// where the hand is fast the next frames go on. A ball is never busy.
   bool busy(double share) const {
     return !is_ball() && calls_ > share * least_calls && double(spent_) > share * most_spent;
@@ -103,13 +103,14 @@ class RoundBody {
   std::vector<Near> near_;  // of this call: what may be as deep as the deepest, in the order of the samples
   int near_count_ = 0;
   std::vector<float> squares_;  // of distances
-  std::vector<char> within_;    // 1: in reach of a part
+  std::vector<char> within_;    // bit m: in reach of part m
   int looks_ = 0;               // since voxels were seen to change
   std::uint32_t seen_ = 0;
-  // In discs that deepest() looks at, each about 0.05 us; a normal takes as long as 20, and look() as 500.
-  static constexpr int least_calls = 6, spent_by_look = 500, spent_by_normal = 20;
+  // In parts of 0.05 us, as counted work takes them.
+  static constexpr int least_calls = 6, spent_by_look = 500, spent_in_wide = 120, spent_by_normal = 5;
   static constexpr double most_spent = 2000;
   contact::KnownNormals normals_;
+  contact::KnownSamples known_;
   contact::RoundEdge edge_;
   int calls_ = 0;
   std::int64_t spent_ = 0;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/params.h"
-#include "base/vec3.h"
+#include "touch/frames.h"
 
 namespace trephine::haptics {
 
@@ -135,19 +135,7 @@ constexpr int max_tool_points = 2048;
 /// of a file as own_tool() does, 65 naming the line where it is no list of points, or is not the file of the hash.
 Tool make_tool(const ToolParams& params);
 
-/// A frame whose third column is the axis; the other two follow from it.
-Mat3 frame_along(Vec3 axis);
-/// The direction across the axis, or zero where it gives no plane with the axis: it is parallel to it, or not finite,
-/// as a recording of another program may have it.
-Vec3 usable_across(Vec3 across, Vec3 axis);
-/// A frame whose third column is the axis, and whose first lies in the plane of the axis and `across`, which are not
-/// parallel; frame_along() where `across` is zero.
-Mat3 frame_of(Vec3 axis, Vec3 across);
-/// The rotation that takes one frame to another, as its axis by its angle in radians, at most pi.
-Vec3 rotation_between(const Mat3& from, const Mat3& to);
-/// The frame turned towards another, by at most `max_rad`.
-Mat3 turned_to(const Mat3& frame, const Mat3& aim, double max_rad);
-/// The frame turned by the smallest rotation that takes its third column towards the axis, by at most `max_rad`.
-Mat3 turned(const Mat3& frame, Vec3 axis, double max_rad = 4);
+using touch::frame_along, touch::frame_of, touch::rotation_between, touch::turned, touch::turned_about,
+    touch::turned_to, touch::usable_across;
 
 }  // namespace trephine::haptics

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "base/pi.h"
-#include "haptics/turned_about.h"
 #include "surface/bounds.h"
+#include "touch/frames.h"
 
 namespace trephine::scene {
 namespace {
@@ -122,10 +122,10 @@ void OrbitCamera::show(Vec3 middle_mm, double radius_mm) {
 void OrbitCamera::orbit(double right_rad, double up_rad) {
   // Where the view is from straight above or below, the turn is about the picture's own upward axis.
   const Vec3 pole = std::abs(dot(toward, superior)) < 0.999 && dot(up, superior) > 0 ? superior : up;
-  toward = normalized(haptics::turned_about(toward, pole, -right_rad));
-  up = haptics::turned_about(up, pole, -right_rad);
+  toward = normalized(touch::turned_about(toward, pole, -right_rad));
+  up = touch::turned_about(up, pole, -right_rad);
   const Vec3 side = right();
-  const Vec3 next = normalized(haptics::turned_about(toward, side, -up_rad));
+  const Vec3 next = normalized(touch::turned_about(toward, side, -up_rad));
   if (std::abs(dot(next, superior)) < 0.9995) {
     toward = next;
     up = upright(toward, dot(up, superior) < -0.2 ? -superior : superior);

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "base/pi.h"
-#include "haptics/turned_about.h"
 #include "surface/bounds.h"
 
 namespace trephine::scene {

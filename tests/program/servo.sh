@@ -22,7 +22,7 @@ assert said["touching_ratio"] > 0.5 and said["events"]["touch"] >= 1 and said["m
 # The documented layout, read by somebody else.
 data = open(sys.argv[2], "rb").read()
 magic, version, length = struct.unpack_from("<8sII", data)
-assert (magic, version, length) == (b"TREPHSRV", 19, 8192)
+assert (magic, version, length) == (b"TREPHSRV", 20, 8192)
 header = json.loads(data[16:16 + length])
 assert header["case"] == "sample" and header["frame_bytes"] == 176 and header["rate_hz"] == 1000, header
 frames = list(struct.iter_unpack("<Q17dI4i3I", data[16 + length:]))
@@ -153,7 +153,7 @@ grep -q '^500 frames are missing' "$work/stdout" || fail "does not say that fram
 # A recording of another version is refused, and both are named.
 cp "$work/a.servo" "$work/other.servo"
 printf '\x09' | dd of="$work/other.servo" bs=1 seek=8 conv=notrunc status=none
-expect 65 'version: 9, this program reads version 19: record it anew' "$TREPHINE" replay "$work/sample" "$work/other.servo"
+expect 65 'version: 9, this program reads version 20: record it anew' "$TREPHINE" replay "$work/sample" "$work/other.servo"
 expect 64 '[-]-tool-spacing-mm: gives more than 2048 points' "${servo[@]}" --tool catheter --tool-spacing-mm 0.01
 
 # A tool of somebody's own points; its recording holds a replay to the same file.
