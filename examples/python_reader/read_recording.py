@@ -35,10 +35,10 @@ def of_recording(data):
     rest = len(data) - 16 - length
     hands = 2 if "second" in header else 1
     ticks = rest // (hands * each)
-    if each not in (176, 200) or rest % (hands * each) or header.get("frames", ticks) != ticks:
+    if each not in (216, 240) or rest % (hands * each) or header.get("frames", ticks) != ticks:
         raise ValueError("the frames are cut short")
-    frame = struct.Struct("<Q17dI4i3I" + ("3d" if each == 200 else ""))
-    known = NAMES + ([f"across_{a}" for a in "xyz"] if each == 200 else [])
+    frame = struct.Struct("<Q17dI4i3I40x" + ("3d" if each == 240 else ""))
+    known = NAMES + ([f"across_{a}" for a in "xyz"] if each == 240 else [])
     rows = list(frame.iter_unpack(data[16 + length:]))
     columns = columns_of(known, rows[::hands])
     if hands == 2:  # in each tick the first hand's frame, and then the other one's

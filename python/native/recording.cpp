@@ -50,7 +50,7 @@ py::array array_of_frame(const haptics::ServoFrame& frame) {
 void bind_recording(py::module_& m) {
   using haptics::ServoFrame;
   PYBIND11_NUMPY_DTYPE(ServoFrame, tick, time_s, dt_s, tip_mm, axis, proxy_mm, normal, force_n, buttons, touched, face,
-                       inside, held_by, events, faults, late_us, across);
+                       inside, held_by, events, faults, late_us, held_at, held_mm, across);
   m.attr("frame_dtype") = py::dtype::of<ServoFrame>();
   m.attr("event_names") = std::vector<std::string>(haptics::haptic_event::names,
                                                    haptics::haptic_event::names + haptics::haptic_event::count);

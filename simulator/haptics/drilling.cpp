@@ -173,7 +173,7 @@ drill::Wider Drilling::wider(const HapticState& state) const {
                                        2 * wider_voxels_ - max_wider_voxels);
   w.held_mm = wider_voxels_ * voxel_mm;
   w.places = state.held_at;
-  std::copy(state.held_mm, state.held_mm + state.held_at, w.at_mm);
+  for (int n = 0; n < w.places; ++n) w.at_mm[n] = {state.held_mm[n][0], state.held_mm[n][1], state.held_mm[n][2]};
   return w;
 }
 

@@ -6,7 +6,7 @@
 
 namespace trephine::haptics {
 
-/// One tick of the servo loop as it is recorded, little endian, without gaps (docs/reference/recordings.md): 200 bytes
+/// One tick of the servo loop as it is recorded, little endian, without gaps (docs/reference/recordings.md): 240 bytes
 /// where the device knows how the tool is turned about its axis, else without the last 24.
 struct ServoFrame {
   std::uint64_t tick = 0;
@@ -16,10 +16,12 @@ struct ServoFrame {
   std::uint32_t buttons = 0;
   std::int32_t touched = 0, face = 0, inside = 0, held_by = 0;
   std::uint32_t events = 0, faults = 0, late_us = 0;
+  std::int32_t held_at = 0;  ///< HapticState::held_at, and the places, zero behind the last
+  float held_mm[3][3] = {};
   double across[3] = {};  ///< DeviceReading::across
 };
-constexpr std::size_t short_frame_bytes = 176;
-static_assert(sizeof(ServoFrame) == 200 && offsetof(ServoFrame, across) == short_frame_bytes &&
+constexpr std::size_t short_frame_bytes = 216;
+static_assert(sizeof(ServoFrame) == 240 && offsetof(ServoFrame, across) == short_frame_bytes &&
               std::is_trivially_copyable_v<ServoFrame>);
 
 }  // namespace trephine::haptics

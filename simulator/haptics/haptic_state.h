@@ -45,19 +45,19 @@ constexpr int count = int(sizeof names / sizeof *names);
 std::string fault_names(std::uint32_t faults);
 
 struct HapticState {
-  Vec3 force_n;         ///< on the hand
-  Vec3 torque_n_mm;     ///< on the hand, about the tip
-  Vec3 proxy_mm;        ///< where the tool's tip is shown; never behind a surface that holds it
-  Vec3 axis{0, 0, 1};   ///< the shown axis: the device's, except where surfaces or a lock keep the tool from turning
-  Vec3 across;          ///< of the shown tool; zero where neither it nor the device knows
-  Vec3 normal;          ///< of the surface that presses most; zero without contact
-  int touched = 0;      ///< its shape; 0 without contact
-  int face = 0;         ///< 1 front, 2 back, 0 without contact
-  int inside = 0;       ///< the shape that the proxy's tip is in, of round tools the middle of their end; 0 for none
-  int held_by = 0;      ///< count of the surfaces that press
-  int held_at = 0;      ///< at how many places surfaces hold the tool
-  Vec3 held_mm[3];      ///< these
-  bool locked = false;  ///< whether the tool's orientation is locked (docs/reference/hand-tools.md, Tools)
+  Vec3 force_n;           ///< on the hand
+  Vec3 torque_n_mm;       ///< on the hand, about the tip
+  Vec3 proxy_mm;          ///< where the tool's tip is shown; never behind a surface that holds it
+  Vec3 axis{0, 0, 1};     ///< the shown axis: the device's, except where surfaces or a lock keep the tool from turning
+  Vec3 across;            ///< of the shown tool; zero where neither it nor the device knows
+  Vec3 normal;            ///< of the surface that presses most; zero without contact
+  int touched = 0;        ///< its shape; 0 without contact
+  int face = 0;           ///< 1 front, 2 back, 0 without contact
+  int inside = 0;         ///< the shape that the proxy's tip is in, of round tools the middle of their end; 0 for none
+  int held_by = 0;        ///< count of the surfaces that press
+  int held_at = 0;        ///< at how many places surfaces hold the tool
+  float held_mm[3][3]{};  ///< these, as a recording holds them: what a drill cuts is followed from it
+  bool locked = false;    ///< whether the tool's orientation is locked (docs/reference/hand-tools.md, Tools)
   std::uint32_t events = 0, faults = 0;
 };
 

@@ -169,7 +169,9 @@ Vec3 Proxy::surface_force(Vec3 held_mm, Vec3 device_mm) {
   state.face = felt.face;
   state.held_by = felt.count;
   state.held_at = ground_.surfaces.count();
-  for (int n = 0; n < state.held_at; ++n) state.held_mm[n] = ground_.surfaces.surface(n).at_mm;
+  // Kept as floats: GCC 12 leaves double(float(x)) of two neighbours unrounded at -O3.
+  for (int n = 0; n < state.held_at; ++n)
+    for (int a = 0; a < 3; ++a) state.held_mm[n][a] = float(ground_.surfaces.surface(n).at_mm[a]);
   state.normal = felt.normal;
   pressed_n_mm_ = felt.torque_n_mm;
   return felt.force_n;

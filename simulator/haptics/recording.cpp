@@ -271,6 +271,8 @@ HapticState state_of(const ServoFrame& f) {
   s.face = f.face;
   s.inside = f.inside;
   s.held_by = f.held_by;
+  s.held_at = std::clamp(f.held_at, 0, 3);
+  std::memcpy(s.held_mm, f.held_mm, sizeof s.held_mm);
   s.events = f.events;
   s.faults = f.faults;
   return s;
@@ -295,6 +297,9 @@ void put_answer(const HapticState& s, ServoFrame& f) {
   f.face = s.face;
   f.inside = s.inside;
   f.held_by = s.held_by;
+  f.held_at = s.held_at;
+  for (int n = 0; n < 3; ++n)
+    for (int a = 0; a < 3; ++a) f.held_mm[n][a] = n < s.held_at ? s.held_mm[n][a] : 0;
   f.events = s.events;
   f.faults = s.faults;
 }

@@ -24,8 +24,8 @@ data = open(sys.argv[2], "rb").read()
 magic, version, length = struct.unpack_from("<8sII", data)
 assert (magic, version, length) == (b"TREPHSRV", 20, 8192)
 header = json.loads(data[16:16 + length])
-assert header["case"] == "sample" and header["frame_bytes"] == 176 and header["rate_hz"] == 1000, header
-frames = list(struct.iter_unpack("<Q17dI4i3I", data[16 + length:]))
+assert header["case"] == "sample" and header["frame_bytes"] == 216 and header["rate_hz"] == 1000, header
+frames = list(struct.iter_unpack("<Q17dI4i3I40x", data[16 + length:]))
 assert [f[0] for f in frames] == list(range(6000))
 assert abs(frames[-1][1] - 6) < 1e-9 and all(f[2] == 0.001 for f in frames)
 assert max(math.dist(f[15:18], (0, 0, 0)) for f in frames) == said["most_force_n"]
@@ -132,7 +132,7 @@ def write(name, change):
 write("material.servo", lambda h: h.update(feel_sha256="0" * 64))
 write("shape.servo", lambda h: h.update(felt_shape="liver"))
 write("lacks.servo", lambda h: h.pop("case_sha256"))
-frame = 16 + 8192 + 100 * 176
+frame = 16 + 8192 + 100 * 216
 open(f"{sys.argv[2]}/ticks.servo", "wb").write(data[:frame] + bytes(8) + data[frame + 8:])
 cut = 16 + 8192 + 1000 * 176
 open(f"{sys.argv[2]}/cut.servo", "wb").write(data[:-500 * 176])

@@ -57,7 +57,7 @@ rows, frame_bytes = [], 0
 if os.path.exists(work + "/run.servo"):
     data = open(work + "/run.servo", "rb").read()
     frame_bytes = json.loads(data[16:16 + 8192])["frame_bytes"]
-    for r in struct.iter_unpack("<Q17dI4i3I" + ("3d" if frame_bytes == 200 else ""), data[16 + 8192:]):
+    for r in struct.iter_unpack("<Q17dI4i3I40x" + ("3d" if frame_bytes == 240 else ""), data[16 + 8192:]):
         rows.append({"time_s": r[1], "tip": r[3:6], "axis": r[6:9], "force": r[15:18], "buttons": r[18] & 0x7fffffff, "across": r[26:]})
 def columns():
     """Of Rz(25 degrees) Rx(-40) Ry(30): where the grip's own axes point."""
@@ -122,7 +122,7 @@ holds none "$where"
 holds none "$turns"
 holds none 'near(speeds_mm_per_s(), (-30, 30), 1.5)'
 holds none 'all(near(r["axis"], [-x for x in columns()[1]]) for r in rows)'
-holds none 'frame_bytes == 200 and all(near(r["across"], rows[0]["across"]) for r in rows)'
+holds none 'frame_bytes == 240 and all(near(r["across"], rows[0]["across"]) for r in rows)'
 holds none 'any(near(rows[0]["across"], [s * x for x in columns()[n]]) for n in (0, 2) for s in (1, -1))'
 holds none 'set(buttons()) == {0, 1, 2, 4} and all(sum(r["buttons"] == b for r in rows) > 0.1 * len(rows) for b in (0, 1, 2, 4))'
 holds none 'sum((a, b) in ((0, 1), (1, 2), (2, 4), (4, 0)) for a, b in zip(buttons(), buttons()[1:])) > 0.8 * (len(buttons()) - 1)'
@@ -154,7 +154,7 @@ if ((LONG)); then
   holds no_grip "$where"
   holds no_grip "$felt"
   holds no_grip 'all(near(r["axis"], rows[0]["axis"]) and abs(size(r["axis"]) - 1) < 1e-6 and r["buttons"] == 0 for r in rows)'
-  holds no_grip 'frame_bytes == 176'
+  holds no_grip 'frame_bytes == 216'
   for fault in late fragments; do
     runs $fault "${press[@]}"
     holds $fault "$where"

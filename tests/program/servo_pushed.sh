@@ -38,7 +38,7 @@ def end():
 PY
 cat >"$work/way.py" <<'PY'
 import struct, sys
-frames = list(struct.iter_unpack("<Q17dI4i3I", open(sys.argv[1], "rb").read()[16 + 8192:]))
+frames = list(struct.iter_unpack("<Q17dI4i3I40x", open(sys.argv[1], "rb").read()[16 + 8192:]))
 tip = [(f[3], f[4], f[5]) for f in frames]
 axis = [(f[6], f[7], f[8]) for f in frames]
 buttons = [f[18] for f in frames]

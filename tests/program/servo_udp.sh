@@ -39,8 +39,8 @@ assert said["device"] == "udp" and said["faults"] == 0, said
 assert said["touching_ratio"] > 0.1 and said["most_force_n"] > 0.1, said
 data = open(sys.argv[2], "rb").read()
 ticks = {}
-assert b'"frame_bytes":200' in data[:8192].replace(b" ", b""), "the client said how the tool is turned"
-for f in struct.iter_unpack("<Q17dI4i3I3d", data[16 + 8192:]):
+assert b'"frame_bytes":240' in data[:8192].replace(b" ", b""), "the client said how the tool is turned"
+for f in struct.iter_unpack("<Q17dI4i3I40x3d", data[16 + 8192:]):
     ticks.setdefault(f[3:6], set()).add(f[15:18])
     assert abs(math.hypot(*f[26:29]) - 1) < 1e-6, f
 answers = [[float.fromhex(v) if "x" in v else int(v) for v in line.split()] for line in open(sys.argv[3])]
@@ -85,7 +85,7 @@ grep -Eq '^fault after [0-9.]+ s: device lost; the force stays zero$' "$work/tex
 grep -q 'faults device lost$' "$work/text" || { cat "$work/text"; fail "the client was not missed"; }
 python3 - "$work/b.servo" <<'PY'
 import struct, sys
-frames = list(struct.iter_unpack("<Q17dI4i3I3d", open(sys.argv[1], "rb").read()[16 + 8192:]))
+frames = list(struct.iter_unpack("<Q17dI4i3I40x3d", open(sys.argv[1], "rb").read()[16 + 8192:]))
 last = max(n for n, f in enumerate(frames) if n and f[3:6] != frames[n - 1][3:6])  # the last new pose
 lost = next(n for n, f in enumerate(frames) if f[24] == 8)
 assert all(f[15:18] == (0, 0, 0) for f in frames[lost:]) and all(f[24] == 8 for f in frames[lost:])

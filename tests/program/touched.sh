@@ -17,7 +17,7 @@ for path in '0 2 -19 330\n0.04 2 -19 314.5\n1 2 -19 314.5' '0 3 -20 317\n0.05 3 
 import json, math, struct, sys
 data = open(sys.argv[1], "rb").read()
 length = struct.unpack_from("<I", data, 12)[0]
-frames = list(struct.iter_unpack("<Q17dI4i3I", data[16 + length:]))
+frames = list(struct.iter_unpack("<Q17dI4i3I40x", data[16 + length:]))
 assert len(frames) == 1000
 assert min(f[11] for f in frames) > 315.999, min(f[11] for f in frames)  # the tool as it is shown never enters
 last = frames[-1]

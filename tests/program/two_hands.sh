@@ -36,8 +36,8 @@ sys.path.insert(0, source + "/examples/python_reader")
 import read_recording
 head = 16 + 8192
 one, both = (open(f"{work}/{name}.servo", "rb").read()[head:] for name in ("one", "both"))
-frames = [both[n:n + 176] for n in range(0, len(both), 176)]
-assert b"".join(f[:172] for f in frames[::2]) == b"".join(one[n:n + 172] for n in range(0, len(one), 176)), "the first hand feels another force"
+frames = [both[n:n + 216] for n in range(0, len(both), 216)]
+assert b"".join(f[:172] for f in frames[::2]) == b"".join(one[n:n + 172] for n in range(0, len(one), 216)), "the first hand feels another force"
 header, columns = read_recording.read(work + "/both.servo")
 assert header["second"]["tool"]["name"] == "suction" and header["second"]["device"] == "trajectory", header["second"]
 most = max(columns["second_force_n"])
