@@ -83,7 +83,10 @@ PreparedSurface prepare(const ExportFormat& format, const ExportSurface& source,
 
 std::vector<Vec3> rounded_world(const surface::TriMesh& mesh, Precision precision) {
   std::vector<Vec3> world(mesh.points_mm.size());
-  const auto narrow = [](double v) { return double(float(v)); };
+  const auto narrow = [](double v) {
+    volatile float f = float(v);  // else GCC 12 at -O3 leaves two neighbours of a vector as they were
+    return double(f);
+  };
   for (std::size_t i = 0; i < world.size(); ++i) {
     Vec3 p = precision == Precision::float32_local ? mesh.points_mm[i] : mesh.world_mm(i);
     if (precision != Precision::float64_world) p = {narrow(p.x), narrow(p.y), narrow(p.z)};

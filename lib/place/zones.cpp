@@ -295,11 +295,12 @@ void check(const mask::BitMask& cavity, const ZoneShapes& shapes, const ZonePara
   if (params.what == Zone::third_ventricle && !shapes.ventricles)
     throw Error(ExitCode::usage, "", "ventricles", "must be given: the third ventricle is a part of them");
   if (const double ml = double(cavity.count()) * l.voxel_volume_mm3() / 1000; ml < least_cavity_ml)
-    throw refusal("",
-                  fmt::format("the bone encloses {:.0f} ml, and the smallest whole cranial cavity has {:.0f} ml: "
-                              "where the scan's field cuts the head, nothing closes it",
-                              ml, least_cavity_ml),
-                  {"take a scan that shows the skull on all sides, or a recipe without a brain, as ct_skull.yaml"});
+    throw refusal(
+        "",
+        fmt::format("the bone encloses {:.0f} ml, and the smallest whole cranial cavity has {:.0f} ml: "
+                    "where the scan's field cuts the head, nothing closes it",
+                    ml, least_cavity_ml),
+        {"take a scan that shows the skull on all sides, or a recipe without a brain (configs/ct_skull.yaml)"});
 }
 
 }  // namespace
