@@ -30,10 +30,10 @@ class Drill {
 
   /// The tool runs: it cuts what lies within the cutter, made wider, at `pose`, on the way to `to_tip_mm`, and
   /// along the whole way from where the last call ended, however fast it goes. A voxel keeps what lies outside, as a
-  /// ramp of a voxel to each side of the cutter's surface (CutterBody), so that the surface of half occupancy is the
-  /// cutter's. What the power or the rate leaves is removed by the next calls, as long as the tool stands there. The
-  /// first call after rest() begins at `pose`. `power_ratio`: the share of the power that is left;
-  /// above 1 where bone breaks away that no power has to cut.
+  /// ramp of ramp_voxels() to each side of the cutter's surface (CutterBody), so that the surface of half occupancy is
+  /// the cutter's. What the power or the rate leaves is removed by the next calls, as long as the tool stands there.
+  /// The first call after rest() begins at `pose`. `power_ratio`: the share of the power that is left; above 1 where
+  /// bone breaks away that no power has to cut.
   ///
   /// A call looks at some 8,000 voxels; where a way has more, the next calls go on with it, and what the tool goes on
   /// meanwhile is added up, as long as it goes straight to a quarter of a voxel (or 32 ways wait). So nothing is left
