@@ -26,7 +26,7 @@ PY
 "${servo[@]}" --record "$work/one.servo" >/dev/null
 "${servo[@]}" "${second[@]}" --record "$work/both.servo" --json "$work/both.json" >"$work/text"
 grep -q '^second hand: suction on trajectory$' "$work/text" || { cat "$work/text"; fail "does not say what the second hand holds"; }
-[[ $(stat -c %s "$work/both.servo") == $((16 + 8192 + 1000 * 2 * 176)) ]] || fail "a recording of another size"
+[[ $(stat -c %s "$work/both.servo") == $((16 + 8192 + 1000 * 2 * 216)) ]] || fail "a recording of another size"
 "$TREPHINE" replay "$work/head" "$work/both.servo" | grep -q '^replayed bit for bit$' || fail "not the same"
 "$TREPHINE" export-recording "$work/both.servo" --csv "$work/both.csv" --json "$work/text.json" >/dev/null
 python3 - "$SOURCE" "$work" <<'PY' || fail "the recording of both"
@@ -50,7 +50,7 @@ for name in ("second_tip_x_mm", "second_proxy_z_mm", "second_touched", "second_b
 PY
 # A changed force of the second hand breaks the seal.
 cp "$work/both.servo" "$work/forged.servo"
-printf '\1' | dd of="$work/forged.servo" bs=1 seek=$((16 + 8192 + 176 * 1999 + 120)) conv=notrunc 2>/dev/null
+printf '\1' | dd of="$work/forged.servo" bs=1 seek=$((16 + 8192 + 216 * 1999 + 120)) conv=notrunc 2>/dev/null
 expect 80 'seal_sha256: is not of these bytes' "$TREPHINE" replay "$work/head" "$work/forged.servo"
 
 expect 64 'second-tool: burr: the second hand neither cuts nor draws; hold it with --tool' "${servo[@]}" "${second[@]:0:4}" --second-tool burr
