@@ -42,7 +42,7 @@ refused 'up: ' "$work/hole.servo" --eye-mm=0,0,500 --target-mm=0,0,0
 expect 64 '[-]-out, --hdf5: one of them' "$TREPHINE" render "$work/sample"
 expect 73 'no/x.hdf5' "$TREPHINE" render "$work/sample" "$work/hole.servo" --hdf5 "$work/no/x.hdf5"
 cp "$work/hole.servo" "$work/changed.servo"
-printf '\x01' | dd of="$work/changed.servo" bs=1 seek=$((8208 + 176 * 100 + 120)) conv=notrunc status=none
+printf '\x01' | dd of="$work/changed.servo" bs=1 seek=$((8208 + 216 * 100 + 120)) conv=notrunc status=none
 expect 80 'seal' "$TREPHINE" render "$work/sample" "$work/changed.servo" --hdf5 "$work/no.hdf5"
 # A force that is not the recorded one is found, also where nothing is cut, and where the file is sealed again.
 cat >"$work/reseal.py" <<'PY'

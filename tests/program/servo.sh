@@ -13,7 +13,7 @@ grep -q '^woken late mean ' "$work/text" || fail "no lateness"
 
 "${servo[@]}" --seconds 6 --no-paced --approach-mm 1 --radius-mm 10 --record "$work/a.servo" --json "$work/a.json" \
   >"$work/text"
-[[ $(stat -c %s "$work/a.servo") == $((16 + 8192 + 6000 * 176)) ]] || fail "a recording of another size"
+[[ $(stat -c %s "$work/a.servo") == $((16 + 8192 + 6000 * 216)) ]] || fail "a recording of another size"
 python3 - "$work/a.json" "$work/a.servo" <<'PY'
 import json, math, struct, sys
 said = json.load(open(sys.argv[1]))
@@ -75,7 +75,7 @@ stopped=$!
 # After 300 ticks, which are in the file that the recording is made in.
 for _ in $(seq 30000); do
   size=$(stat -c %s "$work"/.trephine-tmp-* 2>/dev/null | sort -n | tail -1) || true
-  ((${size:-0} < 16 + 8192 + 300 * 176)) || break
+  ((${size:-0} < 16 + 8192 + 300 * 216)) || break
   sleep 0.01
 done
 kill -INT $stopped
@@ -111,7 +111,7 @@ assert tool["tool"] == "burr" and tool["tool_tip"] == "ball" and tool["tool_spac
 PY
 # A recording that was changed has a broken seal; one whose seal was taken off is told, and so can be changed in what follows.
 cp "$work/a.servo" "$work/broken.servo"
-printf '\x01' | dd of="$work/broken.servo" bs=1 seek=$((16 + 8192 + 5000 * 176 + 130)) conv=notrunc status=none
+printf '\x01' | dd of="$work/broken.servo" bs=1 seek=$((16 + 8192 + 5000 * 216 + 130)) conv=notrunc status=none
 expect 80 'broken\.servo: seal_sha256: is not of these bytes' "$TREPHINE" replay "$work/sample" "$work/broken.servo"
 python3 - "$work/a.servo" <<'PY'
 import json, sys
@@ -134,12 +134,12 @@ write("shape.servo", lambda h: h.update(felt_shape="liver"))
 write("lacks.servo", lambda h: h.pop("case_sha256"))
 frame = 16 + 8192 + 100 * 216
 open(f"{sys.argv[2]}/ticks.servo", "wb").write(data[:frame] + bytes(8) + data[frame + 8:])
-cut = 16 + 8192 + 1000 * 176
-open(f"{sys.argv[2]}/cut.servo", "wb").write(data[:-500 * 176])
+cut = 16 + 8192 + 1000 * 216
+open(f"{sys.argv[2]}/cut.servo", "wb").write(data[:-500 * 216])
 header = json.loads(data[16:16 + 8192])
 assert header["frames"] == 6000, header
 header["frames"] = 5500
-open(f"{sys.argv[2]}/gap.servo", "wb").write(data[:16] + json.dumps(header).encode().ljust(8192) + data[16 + 8192:cut] + data[cut + 500 * 176:])
+open(f"{sys.argv[2]}/gap.servo", "wb").write(data[:16] + json.dumps(header).encode().ljust(8192) + data[16 + 8192:cut] + data[cut + 500 * 216:])
 write("wide.servo", lambda h: h["tool"].update(tool="catheter", tool_length_mm=400, tool_spacing_mm=0.01))
 PY
 expect 65 'wide\.servo: tool_spacing_mm: gives more than' "$TREPHINE" replay "$work/sample" "$work/wide.servo"
@@ -174,7 +174,7 @@ expect 64 '[-]-tool-points: is for --tool points' "${servo[@]}" --tool needle --
 
 # One bit of one frame.
 cp "$work/a.servo" "$work/c.servo"
-printf '\x01' | dd of="$work/c.servo" bs=1 seek=$((16 + 8192 + 5000 * 176 + 130)) conv=notrunc status=none
+printf '\x01' | dd of="$work/c.servo" bs=1 seek=$((16 + 8192 + 5000 * 216 + 130)) conv=notrunc status=none
 expect 80 'c\.servo: frames: [0-9]+ of 6000 differ' "$TREPHINE" replay "$work/sample" "$work/c.servo"
 truncate -s -1 "$work/c.servo"
 expect 65 'c\.servo: frames: end within one' "$TREPHINE" replay "$work/sample" "$work/c.servo"

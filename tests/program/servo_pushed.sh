@@ -27,7 +27,7 @@ cat >"$work/ticks.py" <<'PY'
 import glob, os, signal, sys, time
 def ticks():
     sizes = [os.path.getsize(f) for f in glob.glob(sys.argv[1] + "/.trephine-tmp-*")]
-    return max([0] + [(s - 16 - 8192) // 176 for s in sizes])
+    return max([0] + [(s - 16 - 8192) // 216 for s in sizes])
 def after(count):
     until = ticks() + count
     while ticks() < until: time.sleep(0.01)

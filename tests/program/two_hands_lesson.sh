@@ -60,7 +60,7 @@ python3 - "$work" <<'PY'
 import hashlib, json, re, sys
 data = bytearray(open(sys.argv[1] + "/one.lesson", "rb").read())
 head = 16 + 8192
-at = next(n for n in range(head + 176, len(data), 352) if any(data[n + 120:n + 144]))  # the second hand's first force
+at = next(n for n in range(head + 216, len(data), 432) if any(data[n + 120:n + 144]))  # the second hand's first force
 data[at + 120:at + 144] = bytes(24)
 seal = re.search(rb'"seal_sha256": *"([0-9a-f]{64})"', data[:head])
 data[seal.start(1):seal.end(1)] = b"0" * 64
