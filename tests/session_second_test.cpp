@@ -306,7 +306,7 @@ TEST(TwoHands, ARecordingHoldsBoth) {
   writer.add(both.first, both.second);
   EXPECT_EQ(code_of([&] { writer.add(both.first, {}); }), int(ExitCode::internal));
   writer.finish();
-  EXPECT_EQ(std::filesystem::file_size(file), 16u + 8192 + 2 * 176 * ticks);
+  EXPECT_EQ(std::filesystem::file_size(file), 16u + 8192 + 2 * haptics::short_frame_bytes * ticks);
   const haptics::Recording read = haptics::read_recording(file);
   EXPECT_EQ(read.seal, haptics::Seal::whole);
   EXPECT_EQ(read.header.second->tool.name, "suction");
@@ -316,7 +316,7 @@ TEST(TwoHands, ARecordingHoldsBoth) {
   // Another force of the second hand breaks the seal; another tick is no recording of two hands.
   const auto changed = [&](std::size_t at) {
     std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);
-    bytes.seekp(std::streamoff(16 + 8192 + 176 + at));
+    bytes.seekp(std::streamoff(16 + 8192 + haptics::short_frame_bytes + at));
     bytes.put(1);
   };
   changed(offsetof(ServoFrame, force_n));
