@@ -25,8 +25,8 @@ constexpr double foramen_mm2 = 1300;  ///< a foramen magnum has 600 to 1,000 mm^
 constexpr double cut_side_mm2 = 150;  ///< of tissue at a side of the field of view: a head cut there
 constexpr int block_cells = 4;
 constexpr double cut_cavity_mm2 = 300;  ///< of the cavity at the top or bottom slice
-constexpr int open_cells = 8;
 constexpr double open_mm = 16;
+constexpr int open_cells = int(open_mm / coarse_mm);
 constexpr double usual_height_ratio[2] = {0.72, 1.5};  ///< six given heads 0.90 to 1.10, phantoms 1.03 to 1.08
 
 /// The volume's axis nearest to the patient's superior direction, and whether its indices ascend with it.
@@ -172,7 +172,7 @@ Outcome<grid::HuVolume, HeadRegionResult> head_region(const grid::HuVolume& volu
   const mask::HuView hu(volume);
   const grid::Lattice& l = hu.lattice();
   const mask::CoarseRaster raster = mask::coarse_raster(l, coarse_mm);
-  const mask::BitMask bone = mask::coarse_mask(mask::above(hu, bone_hu), raster, 0.5);
+  const mask::BitMask bright = mask::above(hu, bone_hu), bone = mask::coarse_mask(bright, raster, 0.5);
   const mask::BitMask tissue =
       mask::largest(mask::components(mask::coarse_mask(mask::above(hu, p.tissue_hu), raster, 0.5)));
   progress.report(0.4);
@@ -232,10 +232,9 @@ Outcome<grid::HuVolume, HeadRegionResult> head_region(const grid::HuVolume& volu
   (up.ascends ? skull_box.begin : skull_box.end)[up.axis] = up.ascends ? foramen : n - foramen;
   const mask::BitMask upper = part_of(tissue, skull_box);
   // A cavity ends before a gap of its bone that is wide, as where the field cuts the head: it goes on to the field's
-  // edge.
-  // Cells of which any part is bone are a wall, as they are to the cavity.
+  // edge. Cells of which any part is bone are a wall, as they are to the cavity.
   mask::BitMask soft = mask::both(upper, mask::dilated(cavity, open_mm, progress)), open = cavity;
-  soft.remove(mask::coarse_mask(mask::above(hu, bone_hu), raster, 0));
+  soft.remove(mask::coarse_mask(bright, raster, 0));
   for (int step = 0; step < open_cells; ++step) open |= mask::both(mask::dilated_6(open), soft);
   CutAreas areas;
   for (int a = 0; a < 3; ++a) {

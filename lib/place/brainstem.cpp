@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "mask/filters.h"
+
 namespace trephine::place {
 namespace {
 
@@ -20,11 +22,6 @@ double capsule_mm(Vec3 p, Vec3 a, Vec3 b, double radius_a, double radius_b) {
   return norm(p - (a + ab * t)) - (radius_a + t * (radius_b - radius_a));
 }
 
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
-
 }  // namespace
 
 double brainstem_mm(Vec3 p, Vec3 medulla_end) {
@@ -38,7 +35,7 @@ double beside_mm(Vec3 end, const HeadPlace& place) {
 std::optional<Vec3> find_medulla_end(const mask::BitMask& cavity, const HeadPlace& place) {
   const double unit_mm2 = place.scale.x * place.scale.y;
   const grid::Lattice& l = cavity.lattice();
-  std::vector<double> x,
+  std::vector<float> x,
       y;  // of all that is cavity at levels that are foramen; medians, for jugular foramina lie beside
   for (double z = first_z; z <= last_z; z += level_mm) {
     const std::size_t before = x.size();
@@ -49,8 +46,8 @@ std::optional<Vec3> find_medulla_end(const mask::BitMask& cavity, const HeadPlac
         const int i = int(std::lround(at.x)), j = int(std::lround(at.y)), k = int(std::lround(at.z));
         scanned = scanned && l.contains(i, j, k);
         if (!cavity.at(i, j, k)) continue;
-        x.push_back(t.x);
-        y.push_back(t.y);
+        x.push_back(float(t.x));
+        y.push_back(float(t.y));
       }
     const double mm2 = double(x.size() - before) * unit_mm2;
     if (scanned && mm2 > foramen_mm2[0] && mm2 < foramen_mm2[1]) continue;
@@ -58,7 +55,7 @@ std::optional<Vec3> find_medulla_end(const mask::BitMask& cavity, const HeadPlac
     y.resize(before);
   }
   if (x.empty()) return {};
-  const Vec3 end{median(x), median(y), template_medulla_end.z};
+  const Vec3 end{mask::median(x, 0), mask::median(y, 0), template_medulla_end.z};
   if (beside_mm(end, place) > most_beside_mm) return {};
   return end;
 }

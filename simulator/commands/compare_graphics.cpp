@@ -2,11 +2,11 @@
 #include "commands/compare_graphics.h"
 
 #ifdef TREPHINE_WITH_DISPLAY
-#include <time.h>
 
 #include <cmath>
 #include <memory>
 
+#include "base/cpu_time.h"
 #include "base/error.h"
 #include "render/renderer.h"
 #include "surface/vertex_normals.h"
@@ -15,12 +15,6 @@ namespace trephine::commands {
 namespace {
 
 constexpr int width = 1280, height = 720, pictures = 3;
-
-double process_cpu_ms() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return 1e3 * double(t.tv_sec) + 1e-6 * double(t.tv_nsec);
-}
 
 scene::SceneData scene_with(const surface::TriMesh& mesh) {
   scene::SceneData scene;

@@ -3,14 +3,13 @@
 
 #include <fmt/format.h>
 
-#include <time.h>
-
 #include <algorithm>
 #include <deque>
 #include <future>
 #include <optional>
 #include <thread>
 
+#include "base/cpu_time.h"
 #include "base/error.h"
 #include "base/png.h"
 #include "base/secret.h"
@@ -26,11 +25,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 double since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
-double process_cpu_ms() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return 1e3 * double(t.tv_sec) + 1e-6 * double(t.tv_nsec);
-}
 
 constexpr std::size_t kept_times = 200;
 constexpr double cast_ms = 120;  // of rays while the view moves: at least five pictures a second with the rest
