@@ -3,6 +3,7 @@
 #include <cstring>
 #include <sstream>
 
+#include "base/joined.h"
 #include "base/params.h"
 
 namespace trephine {
@@ -124,11 +125,7 @@ Parameter& Declarer::extent_at(std::size_t at, const char* name, const char* hel
 Parameter& Declarer::words_at(std::size_t at, const char* name, const char* help) {
   using Value = std::vector<std::string>;
   Parameter& p = add(name, help, ParameterKind::text);
-  p.get = [at](const void* q) {
-    std::string all;
-    for (const std::string& word : member_of<Value>(q, at)) all += (all.empty() ? "" : " ") + word;
-    return ParameterValue(all);
-  };
+  p.get = [at](const void* q) { return ParameterValue(joined(member_of<Value>(q, at), " ")); };
   p.set = [at](void* q, const ParameterValue& v) {
     Value& words = member_at<Value>(q, at);
     words.clear();

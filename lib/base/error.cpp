@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/error_text.h"
 #include "base/text.h"
 
 namespace trephine {
@@ -85,12 +86,15 @@ Error& Error::worded_for(const std::string& stage) {
   return *this;
 }
 
+std::string error_text(const Error& e, bool with_case) {
+  std::string text;
+  for (const std::string& part : {with_case ? e.case_token() : "", e.file(), e.field()})
+    if (!part.empty()) text += part + ": ";
+  return printable(text + e.what());
+}
+
 std::string Error::line(const std::string& program_and_tool) const {
-  std::string text = program_and_tool;
-  for (const std::string* part : {&case_token_, &file_, &field_})
-    if (!part->empty()) text += ": " + *part;
-  text += std::string(": ") + what();
-  return printable(text);
+  return printable(program_and_tool) + ": " + error_text(*this);
 }
 
 }  // namespace trephine

@@ -8,6 +8,7 @@
 #include <ctime>
 #include <mutex>
 
+#include "base/joined.h"
 #include "base/text.h"
 
 namespace trephine {
@@ -62,15 +63,13 @@ std::size_t length_of_character(const std::string& text, std::size_t at) {
 }
 
 // The text is printable already: JSON asks beside that for escaped quotes and backslashes, and for sound UTF-8.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t length = length_of_character(text, at);
-    if (text[at] == '"' || text[at] == '\\') out += '\\';
+std::string in_json(const std::string& text) {
+  std::string out;
+  for (std::size_t at = 0, length = 0; at < text.size(); at += length + (length == 0)) {
+    length = length_of_character(text, at);
     out += length == 0 ? "?" : text.substr(at, length);
-    at += length == 0 ? 1 : length;
   }
-  return out + "\"";
+  return in_quotes(out);
 }
 
 std::string time_text() {
@@ -101,7 +100,7 @@ void log(LogLevel level, const std::string& text) {
   if (level > form.level) return;
   if (form.json)
     return write_line("{\"time\":\"" + time_text() + "\",\"level\":\"" + name_of(level) + "\",\"program\":" +
-                      quoted(printable(form.program)) + ",\"text\":" + quoted(printable(text)) + "}");
+                      in_json(printable(form.program)) + ",\"text\":" + in_json(printable(text)) + "}");
   const std::string line = printable(level == LogLevel::warning ? "warning: " + text : text);
   if (log_sink()) return log_sink()(line);
   write_line(line);

@@ -4,25 +4,11 @@
 #include <cmath>
 #include <set>
 
+#include "base/joined.h"
 #include "base/text.h"
 
 namespace trephine {
 namespace {
-
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : printable(text)) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + "\"";
-}
-
-std::string joined(const std::vector<std::string>& items) {
-  std::string out;
-  for (const auto& item : items) out += (out.empty() ? "" : ", ") + item;
-  return out;
-}
 
 constexpr double unlimited = 1e12;  ///< a limit that only keeps sums finite is not worth a word
 
@@ -213,7 +199,7 @@ std::string to_text(const ParameterValue& value) {
   if (const auto* v = std::get_if<double>(&value)) return to_text(*v);
   if (const auto* v = std::get_if<std::int64_t>(&value)) return std::to_string(*v);
   if (const auto* v = std::get_if<bool>(&value)) return *v ? "true" : "false";
-  if (const auto* v = std::get_if<std::string>(&value)) return quoted(*v);
+  if (const auto* v = std::get_if<std::string>(&value)) return in_quotes(*v);
   std::vector<std::string> items;
   for (const double v : std::get<std::vector<double>>(value)) items.push_back(to_text(v));
   return "[" + joined(items) + "]";
@@ -268,7 +254,7 @@ std::string fault_of(const ParameterSet& set, void* object) {
     for (const ParameterItem& item : p.items(object)) {
       const ParameterSet& of_item = p.set_of(item);
       if (p.kind == ParameterKind::map && !names.insert(item.name).second)
-        return p.name + ": " + quoted(item.name) + " is given twice";
+        return p.name + ": " + in_quotes(item.name) + " is given twice";
       const Parameter* named = p.kind == ParameterKind::list ? of_item.find("name") : nullptr;
       const std::string name = named ? std::get<std::string>(named->get(item.object)) : item.name;
       const bool by_name = named || p.kind == ParameterKind::map;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <system_error>
 
+#include "base/joined.h"
+
 namespace trephine {
 namespace {
 
@@ -106,6 +108,17 @@ std::vector<std::string> split_at(std::string_view text, char separator) {
     else
       pieces.back() += c;
   return pieces;
+}
+
+std::string listed(const std::vector<std::string>& words, const std::string& last) {
+  if (words.size() < 2) return joined(words);
+  return joined(std::vector<std::string>(words.begin(), words.end() - 1)) + " " + last + " " + words.back();
+}
+
+std::string in_quotes(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : printable(text)) out.append(c == '"' || c == '\\' ? "\\" : "") += c;
+  return out + "\"";
 }
 
 // How many bytes of UTF-8 at the front of the text are a character that controls how others are shown; 0: none.

@@ -3,16 +3,11 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "cli/declarations.h"
 
 namespace trephine::cli {
 namespace {
-
-std::string joined(const std::vector<std::string>& words) {
-  std::string out;
-  for (const auto& w : words) out += (out.empty() ? "" : " ") + w;
-  return out;
-}
 
 // One branch of `case $command:$flag`: the words that may follow a flag.
 std::string branch(const std::string& command, const std::string& flag, const std::string& action) {
@@ -20,7 +15,7 @@ std::string branch(const std::string& command, const std::string& flag, const st
 }
 
 std::string words_action(const std::vector<std::string>& words) {
-  return "COMPREPLY=($(compgen -W '" + joined(words) + "' -- \"$word\"))";
+  return "COMPREPLY=($(compgen -W '" + joined(words, " ") + "' -- \"$word\"))";
 }
 
 std::string argument_action(const Argument& a) {
@@ -68,7 +63,7 @@ std::string bash_completion(const Program& program) {
           values += branch(page_of(c), flag_of(p.name), words_action(p.choices));
       }
     own.emplace_back("--help");
-    flags += "    " + page_of(c) + ") flags='" + joined(own) + "' ;;\n";
+    flags += "    " + page_of(c) + ") flags='" + joined(own, " ") + "' ;;\n";
   }
   // For a group the second word is completed; from the third word on both words are one command.
   for (const auto& [group, own] : groups)
@@ -80,8 +75,8 @@ std::string bash_completion(const Program& program) {
          "() {\n"
          "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} command=${COMP_WORDS[1]} flags=\n"
          "  if [ \"$COMP_CWORD\" -eq 1 ]; then\n    COMPREPLY=($(compgen -W '" +
-         joined(commands) + "' -- \"$word\"))\n    return\n  fi\n" + second + "  case $command:$before in\n" + values +
-         "  esac\n  case $command in\n" + flags +
+         joined(commands, " ") + "' -- \"$word\"))\n    return\n  fi\n" + second + "  case $command:$before in\n" +
+         values + "  esac\n  case $command in\n" + flags +
          "  esac\n"
          "  case $word in\n"
          "    -*) COMPREPLY=($(compgen -W \"$flags\" -- \"$word\")) ;;\n"
@@ -126,7 +121,7 @@ std::string fish_completion(const Program& program) {
              fish_quoted(first_sentence(help)) + "\n";
     };
     const auto one_of = [](const std::vector<std::string>& words) {
-      return words.empty() ? std::string(" -x") : " -x -a " + fish_quoted(joined(words));
+      return words.empty() ? std::string(" -x") : " -x -a " + fish_quoted(joined(words, " "));
     };
     for (const Argument& a : c.arguments)
       if (!a.positional)

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/joined.h"
 
 namespace trephine::cli {
 namespace {
@@ -49,9 +50,7 @@ std::string placeholder_of(const Argument& argument) {
     case Argument::Kind::choice:
       break;
   }
-  std::string all;
-  for (const auto& c : argument.choices) all += (all.empty() ? "" : "|") + c;
-  return all;
+  return joined(argument.choices, "|");
 }
 
 std::string placeholder_of(const Parameter& parameter) {

@@ -12,6 +12,8 @@
 
 #include "base/child.h"
 #include "base/error.h"
+#include "base/error_text.h"
+#include "base/joined.h"
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/progress.h"
@@ -70,8 +72,7 @@ void add_own_commands(Program& program) {
 
 [[noreturn]] void refuse_in_group(const std::string& group, const std::string& word,
                                   const std::vector<std::string>& known) {
-  std::string all;
-  for (const std::string& k : known) all += (all.empty() ? "" : ", ") + k;
+  const std::string all = joined(known);
   const std::string near = nearest_name(word, known);
   throw Error(ExitCode::usage, "", word.empty() ? group : group + " " + word,
               word.empty()   ? "needs one of these after it: " + all
@@ -229,14 +230,6 @@ std::vector<std::string> words_of(int argc, char** argv) {
   return bytes.empty() ? std::vector<std::string>{} : split_at(bytes, '\0');
 }
 
-// Without program and case, which who reads a status knows.
-std::string line_beside_case(const Error& e) {
-  std::string text;
-  for (const std::string* part : {&e.file(), &e.field()})
-    if (!part->empty()) text += *part + ": ";
-  return printable(text + e.what());
-}
-
 }  // namespace
 
 int run_program(const char* name, const std::function<Program()>& declare, int argc, char** argv) {
@@ -244,7 +237,7 @@ int run_program(const char* name, const std::function<Program()>& declare, int a
   json::JobStatus status;
   const auto add = [&](const Error& e) {
     log_error(e.line(who));
-    status.errors.push_back(line_beside_case(e));
+    status.errors.push_back(error_text(e, false));
   };
   const auto end = [&](ExitCode code, const std::string& line = "") {
     if (!line.empty()) {

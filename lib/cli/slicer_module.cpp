@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/html_text.h"
+#include "base/joined.h"
 #include "base/text.h"
 #include "cli/declarations.h"
 
@@ -85,9 +86,7 @@ std::string plain(const ParameterValue& value) {
   if (const auto* text = std::get_if<std::string>(&value)) return *text;
   const auto* numbers = std::get_if<std::vector<double>>(&value);
   if (!numbers) return to_text(value);
-  std::string all;
-  for (const double n : *numbers) all += (all.empty() ? "" : ",") + to_text(n);
-  return all;
+  return joined(*numbers, ",", [](const double n) { return to_text(n); });
 }
 
 std::string parameter_xml(const Parameter& p, const void* object) {

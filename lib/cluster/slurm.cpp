@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/file_descriptor.h"
+#include "base/joined.h"
 #include "base/log.h"
 #include "base/progress.h"
 #include "base/spawn.h"
@@ -178,8 +179,7 @@ std::vector<SlurmTask> parse_accounts(const std::string& said) {
 }
 
 std::vector<SlurmTask> accounted_tasks(const std::vector<std::string>& arrays) {
-  std::string jobs;
-  for (const std::string& a : arrays) jobs += (jobs.empty() ? "" : ",") + a;
+  const std::string jobs = joined(arrays, ",");
   if (jobs.empty()) return {};
   try {
     const Said said =

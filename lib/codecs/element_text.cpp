@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cstdint>
 
+#include "base/joined.h"
+
 namespace trephine::codecs {
 
 std::string decimal(double v) {
@@ -16,11 +18,7 @@ std::string decimal(double v) {
   return "0";
 }
 
-std::string decimals(std::initializer_list<double> values) {
-  std::string out;
-  for (double v : values) out += (out.empty() ? "" : "\\") + decimal(v);
-  return out;
-}
+std::string decimals(std::initializer_list<double> values) { return joined(values, "\\", decimal); }
 
 std::string uid_of_hash(const std::string& hex) {
   std::uint8_t bytes[16];

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 
+#include "base/joined.h"
 #include "base/refusal.h"
 #include "base/text.h"
 #include "consistency/anatomy_gate_gap.h"
@@ -221,11 +222,7 @@ struct Gate {
   }
 };
 
-std::string all_of(const std::vector<AnatomyFault>& faults) {
-  std::string text;
-  for (const AnatomyFault& f : faults) text += (text.empty() ? "" : "; ") + f.what;
-  return text;
-}
+std::string all_of(const std::vector<AnatomyFault>& faults) { return joined(faults, "; ", &AnatomyFault::what); }
 
 std::vector<Vec3> places_of(const std::string& text) {
   std::vector<Vec3> places;
@@ -252,10 +249,7 @@ std::vector<Vec3> places_of(const std::string& text) {
 }
 
 std::string text_of(const std::vector<Vec3>& places) {
-  std::string text;
-  for (const Vec3 p : places)
-    text += (text.empty() ? "" : ";") + fixed(p.x, 0) + "," + fixed(p.y, 0) + "," + fixed(p.z, 0);
-  return text;
+  return joined(places, ";", [](const Vec3 p) { return fixed(p.x, 0) + "," + fixed(p.y, 0) + "," + fixed(p.z, 0); });
 }
 
 /// Each remedy once, and each key once, with the value that all faults need.

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/write_file.h"
 #include "dicom/archive.h"
 #include "dicom/input_files.h"
@@ -121,8 +122,7 @@ void unpack(const fs::path& path, VolumeSource& source, const Progress& progress
 VolumeSource chosen_volume(const fs::path& path, const std::string& series, const Progress& progress) {
   std::vector<VolumeSource> sources = volume_sources(path, progress);
   if (sources.empty()) return {};
-  std::string known;
-  for (const VolumeSource& s : sources) known += (known.empty() ? "" : ", ") + s.token;
+  const std::string known = joined(sources, ", ", &VolumeSource::token);
   const auto found = std::find_if(sources.begin(), sources.end(), [&](const VolumeSource& s) {
     return series.empty() ? sources.size() == 1 : series.substr(0, series.find('-')) == s.token;
   });

@@ -8,6 +8,8 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/joined.h"
+#include "base/text.h"
 #include "findings/findings_parts.h"
 #include "head/head_figures.h"
 #include "mask/filters.h"
@@ -64,12 +66,6 @@ std::string side_of(Vec3 p, const head::HeadLandmarks* landmarks, Vec3 middle) {
   return left > 6 ? "left" : left < -6 ? "right" : "middle";
 }
 
-std::string joined(const std::vector<std::string>& words, const char* between) {
-  std::string all;
-  for (const std::string& w : words) all += (all.empty() ? "" : between) + w;
-  return all;
-}
-
 // "43 ml ... lie beside the brain, left (brain may be wrong because of it)"
 std::string text_with_place(const Finding& f) {
   const std::string concerned = joined(f.concerns, " and ");
@@ -88,7 +84,7 @@ void warn_of_doubtful(const std::vector<Finding>& all, Warnings& warnings) {
     warnings.push_back({"doubtful_findings",
                         "doubtful, and perhaps something usual such as streaks or a sinus: {kinds}; the report says "
                         "where each is",
-                        {{"kinds", joined(kinds, ", ")}}});
+                        {{"kinds", joined(kinds)}}});
 }
 
 }  // namespace

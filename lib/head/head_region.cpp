@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "mask/bits.h"
 #include "mask/coarse.h"
 #include "mask/field_edge.h"
@@ -80,12 +81,6 @@ class Cuts {
   };
   static void add_once(std::vector<std::string>& words, const std::string& word) {
     if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
-  }
-  static std::string listed(const std::vector<std::string>& words) {
-    std::string text;
-    for (std::size_t w = 0; w < words.size(); ++w)
-      text += (w == 0 ? "" : w + 1 < words.size() ? ", " : " and ") + words[w];
-    return text;
   }
   std::map<std::string, Where> of_;
 };

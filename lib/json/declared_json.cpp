@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/text.h"
 
 namespace trephine::json {
@@ -130,11 +131,8 @@ class Reader {
       if (!bare && (!item.is_object() || item.size() != 1)) refuse(path, "is no \"name\" or {\"name\": {...}}");
       const std::string name = bare ? item.get<std::string>() : item.begin().key();
       const StepChoice* step = p.find_step(name);
-      if (!step) {
-        std::string known;
-        for (const StepChoice& s : p.steps) known += (known.empty() ? "" : ", ") + s.name;
-        refuse(path, printable(name) + ", no such step; known are " + known);
-      }
+      if (!step)
+        refuse(path, printable(name) + ", no such step; known are " + joined(p.steps, ", ", &StepChoice::name));
       read_struct(bare ? Json::object() : item.begin().value(), below(path, name), *step->set, p.add(object, name));
     }
   }

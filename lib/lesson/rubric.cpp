@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/joined.h"
 #include "base/text.h"
 #include "json/declared_json.h"
 
@@ -47,22 +48,18 @@ ParameterSet file_set(const ParameterSet& rubric) {
 std::string digest_of(const AnyParams& rubric) { return sha256_of_bytes(json::declared_json(rubric, -1)); }
 
 const RubricType& find_type(const std::vector<RubricType>& types, const std::string& module) {
-  std::string known;
-  for (const RubricType& t : types) {
+  for (const RubricType& t : types)
     if (t.module == module) return t;
-    known += (known.empty() ? "" : ", ") + t.module;
-  }
-  throw Error(ExitCode::bad_input, "", "module", printable(module) + ": there is no rubric of it; known are " + known);
+  throw Error(ExitCode::bad_input, "", "module",
+              printable(module) + ": there is no rubric of it; known are " + joined(types, ", ", &RubricType::module));
 }
 
 // An error that is not known, or is listed twice.
 std::string critical_fault(const std::vector<CriticalRule>& rules, const std::vector<std::string>& known) {
   for (std::size_t n = 0; n < rules.size(); ++n) {
     const std::string& name = rules[n].error;
-    std::string all;
-    for (const std::string& k : known) all += (all.empty() ? "" : ", ") + k;
     if (std::find(known.begin(), known.end(), name) == known.end())
-      return "critical: " + printable(name) + " is no critical error of this lesson; known are " + all;
+      return "critical: " + printable(name) + " is no critical error of this lesson; known are " + joined(known);
     for (std::size_t m = 0; m < n; ++m)
       if (rules[m].error == name) return "critical: " + name + " is listed twice";
     if (rules[n].why.find_first_not_of(" \t\r\n") == std::string::npos) return "critical: " + name + ": why is blank";

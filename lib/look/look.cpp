@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "body/board.h"
 #include "look/orientation.h"
 #include "mask/coarse.h"
@@ -222,8 +223,7 @@ std::optional<ScanLook> look_at_ct(const grid::HuVolume& volume, const dicom::Im
 }
 
 LookFigures figures_of(const ScanLook& look) {
-  std::string ends;
-  for (const std::string& e : look.ends) ends += (ends.empty() ? "" : ", ") + e;
+  const std::string ends = joined(look.ends);
   return {look.head, ends.empty() ? "nowhere" : ends};
 }
 

@@ -8,7 +8,9 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/refusal.h"
+#include "base/text.h"
 #include "mask/motion.h"
 
 namespace trephine::mask {
@@ -41,14 +43,6 @@ void blame(const Motion& m, ScanVerdict& verdict) {
          {"along_mm", std::abs(back)},
          {"end", back > 0 ? "back" : "front"}}},
        "choose another series, or look at the step in the pictures"});
-}
-
-// "brain, ventricles and skull"
-std::string listed(const std::vector<std::string>& words) {
-  std::string all;
-  for (std::size_t i = 0; i < words.size(); ++i)
-    all += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
-  return all;
 }
 
 }  // namespace

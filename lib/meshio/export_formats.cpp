@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How formats are found. Each is declared beside its writer, in NAME_format.cpp, and CMake makes the list of them.
 #include "base/error.h"
+#include "base/joined.h"
 #include "meshio/export_format.h"
 
 namespace trephine::meshio {
@@ -20,12 +21,7 @@ std::string format_names(bool (*is_so)(const ExportFormat&), const std::string& 
   std::vector<std::string> names;
   for (const ExportFormat& format : format_types())
     if (is_so(format)) names.emplace_back(format.name);
-  std::string text;
-  for (std::size_t n = 0; n < names.size(); ++n) {
-    const bool last = n + 1 == names.size();
-    text += (n == 0 ? "" : last ? " " + word + " " : ", ") + names[n];
-  }
-  return text;
+  return listed(names, word);
 }
 
 }  // namespace trephine::meshio

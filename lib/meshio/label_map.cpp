@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/refusal.h"
 #include "base/text.h"
 #include "base/write_file.h"
@@ -53,9 +54,7 @@ std::size_t paint(grid::Mask& labels, const grid::Field& field, const grid::Box&
 }
 
 std::string colour_text(const std::array<double, 3>& rgb) {
-  std::string text;
-  for (const double c : rgb) text += (text.empty() ? "" : " ") + to_text(std::round(c * 1e6) / 1e6);
-  return text;
+  return joined(rgb, " ", [](const double c) { return to_text(std::round(c * 1e6) / 1e6); });
 }
 
 grid::NrrdKeys keys_of(const std::vector<LabelledField>& fields, const grid::Lattice& lattice) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "base/joined.h"
 #include "base/pi.h"
 #include "base/text.h"
 #include "meshio/zip_bundle.h"
@@ -14,13 +15,11 @@ namespace {
 
 Vec3 ras(Vec3 lps) { return {-lps.x, -lps.y, lps.z}; }
 
-std::string joined(const std::vector<double>& numbers) {
-  std::string text;
-  for (const double n : numbers) text += (text.empty() ? "" : " ") + to_text(n + 0.0);
-  return text;
+std::string in_a_row(const std::vector<double>& numbers) {
+  return joined(numbers, " ", [](const double n) { return to_text(n + 0.0); });
 }
-std::string text_of(Vec3 v) { return joined({v.x, v.y, v.z}); }
-std::string text_of(const std::array<double, 3>& c) { return joined({c[0], c[1], c[2]}); }
+std::string text_of(Vec3 v) { return in_a_row({v.x, v.y, v.z}); }
+std::string text_of(const std::array<double, 3>& c) { return in_a_row({c[0], c[1], c[2]}); }
 
 void add_models(Mrml& mrml, const CaseScene& scene, std::vector<meshio::ExportFile>& files) {
   for (const SceneModel& m : scene.models) {
@@ -58,8 +57,8 @@ std::string add_ct(Mrml& mrml, const CaseScene& scene, std::vector<meshio::Expor
       {{"fileName", "Data/ct.nrrd"}, {"useCompression", "1"}, {"centerImage", "0"}, {"UseOrientationFromFile", "1"}});
   std::string rows;
   for (int r = 0; r < 3; ++r)
-    rows += (r ? " " : "") + joined({ras(scene.ct.direction.column[0])[r], ras(scene.ct.direction.column[1])[r],
-                                     ras(scene.ct.direction.column[2])[r]});
+    rows += (r ? " " : "") + in_a_row({ras(scene.ct.direction.column[0])[r], ras(scene.ct.direction.column[1])[r],
+                                       ras(scene.ct.direction.column[2])[r]});
   return mrml.add_data("Volume", "vtkMRMLScalarVolumeNode", "ct", display, storage,
                        {{"ijkToRASDirections", rows},
                         {"spacing", text_of(scene.ct.spacing_mm)},
@@ -132,7 +131,7 @@ void add_views(Mrml& mrml, const CaseScene& scene, const std::string& volume) {
       {{"layoutLabel", "1"}, {"layoutName", "1"}, {"boxVisible", "true"}, {"axisLabelsVisible", "true"}});
   for (const SliceView& v : views) {
     std::string matrix;
-    for (int r = 0; r < 3; ++r) matrix += joined({v.right[r], v.up[r], v.out[r], middle[r]}) + " ";
+    for (int r = 0; r < 3; ++r) matrix += in_a_row({v.right[r], v.up[r], v.out[r], middle[r]}) + " ";
     mrml.add_singleton("Slice", "vtkMRMLSliceNode", v.name, v.name,
                        {{"layoutName", v.name},
                         {"orientation", v.orientation},

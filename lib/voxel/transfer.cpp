@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/text.h"
 #include "voxel/transfer_points.h"
 
@@ -33,9 +34,7 @@ bool is_touched(const TransferFunction& f, int hu) {
 }
 
 std::string listed_presets() {
-  std::string names;
-  for (const auto& p : presets()) names += (names.empty() ? "" : ", ") + p.first;
-  return names;
+  return joined(presets(), ", ", [](const auto& p) { return p.first; });
 }
 
 }  // namespace
