@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/rank.h"
 
 namespace trephine::body {
 namespace {
@@ -102,13 +103,9 @@ Line face_of(const Profile& p, bool at_end, double max_run, double tolerance) {
   const std::size_t half = points.size() / 2;
   for (std::size_t i = 0; i + half < points.size(); ++i)
     slopes.push_back((points[i + half][1] - points[i][1]) / (points[i + half][0] - points[i][0]));
-  const auto middle = [](std::vector<double>& v) {
-    std::nth_element(v.begin(), v.begin() + std::ptrdiff_t(v.size() / 2), v.end());
-    return v[v.size() / 2];
-  };
-  line.slope = middle(slopes);
+  line.slope = median_of(slopes);
   for (const auto& [x, y] : points) offsets.push_back(y - line.slope * x);
-  line.at = middle(offsets);
+  line.at = median_of(offsets);
   std::size_t near = 0;
   for (const auto& [x, y] : points) near += std::abs(y - line.at - line.slope * x) <= tolerance;
   line.straight = double(near) >= min_straight * double(points.size());
@@ -152,8 +149,7 @@ Flat board_in(const mask::BitMask& part, int axis, bool at_end, const Progress& 
     last = int(x);
   }
   if (thickness.empty()) return none;
-  std::nth_element(thickness.begin(), thickness.begin() + std::ptrdiff_t(thickness.size() / 2), thickness.end());
-  const int deep = thickness[thickness.size() / 2];
+  const int deep = median_of(thickness);
   Flat out;
   out.thickness_mm = deep * step;
   out.width_mm = (last - first + 1) * width_step;

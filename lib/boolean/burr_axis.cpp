@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/rank.h"
 #include "base/refusal.h"
 #include "surface/ray_column.h"
 
@@ -76,9 +77,7 @@ std::optional<Plane> fit_trimmed(std::vector<Height> heights) {
     if (!plane) return {};
     std::vector<double> beside;
     for (const Height& h : heights) beside.push_back(plane->beside(h));
-    std::vector<double> sorted = beside;
-    std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
-    const double limit = std::max(0.5, 3 * sorted[sorted.size() / 2]);
+    const double limit = std::max(0.5, 3 * median_of(std::vector<double>(beside)));
     std::vector<Height> kept;
     for (std::size_t i = 0; i < heights.size(); ++i)
       if (beside[i] <= limit) kept.push_back(heights[i]);

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "base/rank.h"
 #include "dicom/elements.h"
 
 namespace trephine::dicom {
@@ -22,12 +23,7 @@ constexpr double largest_growth = 20;
 
 std::string mm(double v) { return fmt::format("{:.3f}", v); }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+double median(std::vector<double> values) { return values.empty() ? 0 : median_of(values); }
 
 /// The indices in order along the normal. Ties are decided by the rest of the position, so that the order of the files
 /// does not matter.

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/rank.h"
 #include "base/text.h"
 #include "head/head_doubts.h"
 #include "mask/filters.h"
@@ -231,12 +232,6 @@ std::optional<Run> widest_inner_skull(const HeadFields& fields, const HeadAxes& 
   for (const auto& r : found)
     if (r && (!best || r->width() > best->width())) best = r;
   return best;
-}
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 void measure_evans(const HeadFields& fields, const Lines& l, const Horns& horns, HeadFigures& out) {

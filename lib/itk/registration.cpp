@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/rank.h"
 #include "grid/resample.h"
 #include "itk/itk_child.h"
 #include "itk/registration_message.h"
@@ -43,9 +44,7 @@ Window middle_values(const grid::Grid<float>& grid) {
   std::vector<float> some;
   for (std::size_t i = 0; i < grid.voxels.size(); i += 7) some.push_back(grid.voxels[i]);
   const auto at = [&](double share) {
-    const auto n = static_cast<std::ptrdiff_t>(share * static_cast<double>(some.size() - 1));
-    std::nth_element(some.begin(), some.begin() + n, some.end());
-    return double(some[static_cast<std::size_t>(n)]);
+    return double(value_at_rank(some, std::size_t(share * double(some.size() - 1))));
   };
   const double low = at(0.005);
   return {low, at(0.995)};

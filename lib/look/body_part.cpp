@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/rank.h"
 #include "base/refusal.h"
 #include "look/orientation.h"
 #include "mask/coarse.h"
@@ -90,8 +91,7 @@ void look_for_canal(const mask::BitMask& bone, const mask::HuView& hu, BodyPartS
           about += std::hypot((i - p.i) * l.spacing_mm.x, (j - p.j) * l.spacing_mm.y) < about_mm;
         }
   }
-  std::nth_element(content.begin(), content.begin() + std::ptrdiff_t(content.size() / 2), content.end());
-  seen.canal_hu = content[content.size() / 2];
+  seen.canal_hu = median_of(content);
   seen.bone_about_canal_ratio = double(about) / double(std::max<std::size_t>(1, all));
 }
 

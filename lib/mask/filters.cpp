@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/rank.h"
 
 namespace trephine::mask {
 namespace {
@@ -267,12 +268,7 @@ grid::Mask flood(const grid::Grid<float>& height, const BitMask& domain, const g
   return label;
 }
 
-float median(std::vector<float>& values, float otherwise) {
-  if (values.empty()) return otherwise;
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+float median(std::vector<float>& values, float otherwise) { return values.empty() ? otherwise : median_of(values); }
 
 void check_finite(const grid::Field& f) {
   for (std::size_t n = 0; n < f.voxels.size(); ++n)

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "base/rank.h"
 #include "mask/hu_view.h"
 
 namespace trephine::mask {
@@ -40,9 +41,7 @@ struct Slices {
 template <class T>
 double quantile(std::vector<T>& v, double share) {
   if (v.empty()) return 0;
-  const auto n = std::min(v.size() - 1, static_cast<std::size_t>(share * double(v.size())));
-  std::nth_element(v.begin(), v.begin() + std::ptrdiff_t(n), v.end());
-  return v[n];
+  return value_at_rank(v, std::min(v.size() - 1, static_cast<std::size_t>(share * double(v.size()))));
 }
 
 /// One tile of a slice: a plane is fitted and taken away, so that shading is no noise.

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/rank.h"
 #include "grid/sample.h"
 #include "mask/hu_view.h"
 
@@ -176,10 +177,7 @@ float compact_bone(const std::vector<Profile>& profiles) {
   std::vector<float> high;
   for (std::size_t n = 0; n < profiles.size(); n += 7)
     if (profiles[n].leaves && profiles[n].blur_mm < sharp_mm) high.push_back(profiles[n].high);
-  if (high.size() < 100) return 0;
-  const auto at = high.begin() + std::ptrdiff_t(high.size() * 3 / 4);
-  std::nth_element(high.begin(), at, high.end());
-  return *at;
+  return high.size() < 100 ? 0 : value_at_rank(high, high.size() * 3 / 4);
 }
 
 /// The share of an edge that lies before x, blurred by slices of `thick_mm` along the path, by linear interpolation

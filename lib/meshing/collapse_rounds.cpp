@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "base/parallel.h"
+#include "base/rank.h"
 #include "meshing/edge_collapse.h"
 #include "surface/bounds.h"
 
@@ -63,9 +64,7 @@ float EdgeCollapse::cost_below(double share) const {
   std::vector<float> costs;
   for (const auto& f : found) costs.insert(costs.end(), f.begin(), f.end());
   if (costs.empty()) return infinite_cost;
-  const auto at = costs.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(costs.size() - 1));
-  std::nth_element(costs.begin(), at, costs.end());
-  return *at;
+  return value_at_rank(costs, static_cast<std::size_t>(share * static_cast<double>(costs.size() - 1)));
 }
 
 EdgeCollapse::Cells EdgeCollapse::cut(std::size_t round) {

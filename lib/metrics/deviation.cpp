@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/rank.h"
 #include "base/result.h"
 #include "base/splitmix64.h"
 #include "surface/point_to_mesh.h"
@@ -50,9 +51,7 @@ DeviationStats stats_of(std::vector<double> signed_mm, double vertex_max_mm) {
   s.bias_mm = sum / n;
   s.mean_mm = absolute / n;
   s.rms_mm = std::sqrt(squares / n);
-  const auto rank = std::size_t((s.samples * 99 + 99) / 100);  // ceil(0.99 n), at least 1
-  std::nth_element(signed_mm.begin(), signed_mm.begin() + std::ptrdiff_t(rank - 1), signed_mm.end());
-  s.p99_mm = signed_mm[rank - 1];
+  s.p99_mm = value_at_rank(signed_mm, std::size_t((s.samples * 99 + 99) / 100 - 1));  // ceil(0.99 n), at least 1
   s.max_mm = std::max(s.max_mm, *std::max_element(signed_mm.begin(), signed_mm.end()));
   return s;
 }

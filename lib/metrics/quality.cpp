@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/rank.h"
 #include "surface/incidence.h"
 
 namespace trephine::metrics {
@@ -14,9 +15,7 @@ Quantiles quantiles_of(std::vector<double>& v) {
   Quantiles q;
   if (v.empty()) return q;
   const auto at = [&](std::size_t percent) {
-    const std::size_t rank = std::max<std::size_t>(1, (v.size() * percent + 99) / 100);
-    std::nth_element(v.begin(), v.begin() + std::ptrdiff_t(rank - 1), v.end());
-    return v[rank - 1];
+    return value_at_rank(v, std::max<std::size_t>(1, (v.size() * percent + 99) / 100) - 1);
   };
   q.min = *std::min_element(v.begin(), v.end());
   q.max = *std::max_element(v.begin(), v.end());

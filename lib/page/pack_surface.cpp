@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/rank.h"
 #include "grid/resample.h"
 #include "meshing/contour.h"
 #include "page/pack.h"
@@ -65,9 +66,7 @@ void append_deviations(const std::vector<float>& deviation_mm, const std::vector
     if (std::isfinite(deviation_mm[point])) sizes.push_back(std::abs(deviation_mm[point]));
   packed.has_deviation = true;
   if (!sizes.empty()) {
-    const std::size_t rank = (sizes.size() * 99 + 99) / 100 - 1;
-    std::nth_element(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(rank), sizes.end());
-    packed.deviation_p99_mm = sizes[rank];
+    packed.deviation_p99_mm = value_at_rank(sizes, (sizes.size() * 99 + 99) / 100 - 1);
     packed.deviation_scale_mm = *std::max_element(sizes.begin(), sizes.end());
   }
   const double scale = packed.deviation_scale_mm > 0 ? 127 / packed.deviation_scale_mm : 0;

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/rank.h"
 #include "base/text.h"
 #include "meshing/normals.h"
 #include "picture/render.h"
@@ -35,9 +36,7 @@ int shade_of(double deviation, double full) {
 
 double percentile99(std::vector<double> d) {
   for (double& v : d) v = std::abs(v);
-  const std::size_t rank = (d.size() * 99 + 99) / 100 - 1;
-  std::nth_element(d.begin(), d.begin() + std::ptrdiff_t(rank), d.end());
-  return d[rank];
+  return value_at_rank(d, (d.size() * 99 + 99) / 100 - 1);
 }
 
 void draw_scale(Image& image, double full) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/rank.h"
 #include "mask/filters.h"
 
 namespace trephine::segmentation {
@@ -59,10 +60,7 @@ double noise_of(const mask::HuView& hu, const Box& box) {
         const Spread s = box.at(i, j, k);
         if (s.mean > 0 && s.mean < 100) all.push_back(s.sd);
       }
-  if (all.size() < least_samples) return 0;
-  const auto quarter = all.begin() + std::ptrdiff_t(all.size() / 4);
-  std::nth_element(all.begin(), quarter, all.end());
-  return *quarter;
+  return all.size() < least_samples ? 0 : value_at_rank(all, all.size() / 4);
 }
 
 }  // namespace

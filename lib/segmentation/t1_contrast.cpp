@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/rank.h"
 #include "base/refusal.h"
 #include "mask/hu_view.h"
 #include "segmentation/tissue_mixture.h"
@@ -228,9 +229,7 @@ std::array<double, classes> pure_levels(const HuView& mr, const Samples& s, cons
   for (int c = 0; c < classes; ++c) {
     auto& all = pure[static_cast<std::size_t>(c)];
     level[c] = std::exp(m.mean[c]);
-    if (all.size() < min_pure) continue;
-    std::nth_element(all.begin(), all.begin() + all.size() / 2, all.end());
-    level[c] = all[all.size() / 2];
+    if (all.size() >= min_pure) level[c] = median_of(all);
   }
   return level;
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/rank.h"
 #include "base/refusal.h"
 #include "mask/filters.h"
 #include "trunk/pedicle_parts.h"
@@ -229,8 +230,7 @@ std::optional<double> level_to_length(const std::vector<Found>& all, double dept
       ratios.push_back(norm(b.middle_mm - a.middle_mm) / long_mm);
     }
   if (ratios.empty()) return {};
-  std::nth_element(ratios.begin(), ratios.begin() + std::ptrdiff_t(ratios.size() / 2), ratios.end());
-  return ratios[ratios.size() / 2];
+  return median_of(ratios);
 }
 
 }  // namespace

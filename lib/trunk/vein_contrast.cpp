@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/rank.h"
 #include "mask/filters.h"
 #include "mask/surface_field.h"
 #include "trunk/vein_parts.h"
@@ -58,9 +59,7 @@ mask::BitMask best_piece(const mask::BitMask& mask, const VeinCourse& course, do
 }
 
 float percentile(std::vector<float>& v, double share) {
-  const std::size_t n = std::min(v.size() - 1, std::size_t(share * double(v.size())));
-  std::nth_element(v.begin(), v.begin() + std::ptrdiff_t(n), v.end());
-  return v[n];
+  return value_at_rank(v, std::min(v.size() - 1, std::size_t(share * double(v.size()))));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "base/parallel.h"
+#include "base/rank.h"
 #include "voxel/cut.h"
 #include "voxel/cut_solid.h"
 
@@ -42,10 +43,7 @@ std::vector<double> slopes_at_surface(const grid::Field& field, const grid::Box&
 double unit_per_mm(const grid::Field& field, const grid::Box& box) {
   std::vector<double> slopes = slopes_at_surface(field, box);
   if (slopes.empty()) slopes = slopes_at_surface(field, grid::whole_box(field));
-  if (slopes.empty()) return 1;
-  const auto middle = slopes.begin() + std::ptrdiff_t(slopes.size() / 2);
-  std::nth_element(slopes.begin(), middle, slopes.end());
-  return *middle;
+  return slopes.empty() ? 1 : median_of(slopes);
 }
 
 }  // namespace
