@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/pi.h"
+#include "base/degree.h"
 #include "base/refusal.h"
 #include "head/landmarks_parts.h"
 
@@ -33,7 +33,7 @@ HeadFrame frame_in(const MidsagittalPlane& p, const craniometry::FieldView& skul
 
 void level_by_nasion(HeadFrame& head, Vec3 nasion_mm) {
   const Vec3 way = nasion_mm - head.origin_mm;
-  const double degree = pi / 180, angle = std::atan2(dot(way, head.up), -dot(way, head.back));
+  const double angle = std::atan2(dot(way, head.up), -dot(way, head.back));
   const double turn = angle - std::clamp(angle, 0.0, 20 * degree);
   if (std::abs(turn) > 40 * degree) return;
   head.back = head.back * std::cos(turn) - head.up * std::sin(turn);

@@ -6,6 +6,7 @@
 #include <map>
 #include <vector>
 
+#include "base/degree.h"
 #include "base/error.h"
 #include "base/text.h"
 #include "base/write_file.h"
@@ -14,7 +15,6 @@
 namespace trephine::itk {
 namespace {
 
-constexpr double degree = 0.017453292519943295;
 constexpr std::uint64_t max_bytes = 1 << 16;
 
 Mat3 product(const Mat3& a, const Mat3& b) { return {{a * b.column[0], a * b.column[1], a * b.column[2]}}; }

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/degree.h"
 #include "base/parallel.h"
-#include "base/pi.h"
 #include "mask/filters.h"
 
 namespace trephine::mask {
@@ -18,7 +18,6 @@ constexpr double around_sigma_mm = 8;
 constexpr float max_hu = 40;  ///< calcifications and air count as this much
 constexpr int directions = 60, max_passes = 3;
 constexpr double cell_mm = 1, half_window_mm = 40, min_window_mm = 20;
-constexpr double degree = pi / 180;
 
 /// The tissue of one slice.
 struct Slice {

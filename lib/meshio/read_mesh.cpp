@@ -129,15 +129,6 @@ surface::TriMesh foreign_mesh(const ForeignReader& reader, std::string_view byte
 
 }  // namespace
 
-const std::vector<std::string>& readable_mesh_extensions() {
-  static const std::vector<std::string> all = [] {
-    std::vector<std::string> v;
-    for (const ForeignReader& r : readers) v.push_back(std::string(".") + r.extension);
-    return v;
-  }();
-  return all;
-}
-
 Outcome<surface::TriMesh, ReadMeshResult> read_mesh_file(const std::filesystem::path& file,
                                                          const ReadMeshLimits& limits, const Progress& progress) {
   return with_file(file.string(), [&]() -> Outcome<surface::TriMesh, ReadMeshResult> {

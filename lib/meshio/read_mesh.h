@@ -29,9 +29,6 @@ struct ReadMeshResult {
   }
 };
 
-/// The extensions that read_mesh_file takes, with their dots.
-const std::vector<std::string>& readable_mesh_extensions();
-
 /// Reads a surface of any program as one mesh: .stl, .ply, .obj, .vtp, .vtk (legacy polygons) and .glb, by the
 /// extension. Files of other programs are parsed in a bounded child (base/child.h) by assimp or VTK, so this process
 /// survives whatever they hold. All meshes of the file are taken together, and polygons are cut into triangles (of .vtp

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/pi.h"
+#include "base/degree.h"
 #include "mask/coarse.h"
 #include "mask/filters.h"
 
@@ -23,7 +23,6 @@ constexpr double cap_mm = 2, step_mm = 0.25;
 constexpr double nearest_share = 0.8;
 constexpr double least_scale_mm = 0.08;  ///< of Tukey's weights: below it edges are as good as they can be
 constexpr double radii_mm[] = {8, 6, 4, 3, 2.5, 2, 2, 2, 2, 2};
-constexpr double degree = pi / 180;
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;

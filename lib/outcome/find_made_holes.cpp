@@ -214,7 +214,7 @@ std::optional<lesson::OutcomeHole> measured(const CaseHead& head, const BoneView
   if (dot(out, centre - head.middle_mm) < 0) return {};
   double area = 0, air = 0, spread[2] = {0, 0};
   for (int round = 0; round < 3; ++round) {
-    const Vec3 a = normalized(cross(out, std::abs(out.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0})), b = cross(out, a);
+    const Vec3 a = perpendicular_to(out), b = cross(out, a);
     const double reach = radius_mm + 2 * beside_mm;
     const auto bone_hu = usual_hu(view, centre, out, a, b, radius_mm + beside_mm, reach);
     if (!bone_hu) return {};

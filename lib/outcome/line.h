@@ -7,10 +7,15 @@
 
 namespace trephine::outcome {
 
+/// A unit vector at right angles to a unit vector.
+inline Vec3 perpendicular_to(Vec3 u) {
+  return normalized(cross(u, std::abs(u.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
+}
+
 struct Frame {
   Vec3 u, a, b;  ///< along, and two across
   explicit Frame(Vec3 along) : u(normalized(along)) {
-    a = normalized(cross(u, std::abs(u.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
+    a = perpendicular_to(u);
     b = cross(u, a);
   }
 };

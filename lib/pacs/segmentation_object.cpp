@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/srgb.h"
 #include "codecs/element_text.h"
 #include "pacs/anatomy_codes.h"
 #include "pacs/object.h"
@@ -153,7 +154,7 @@ ObjectFile encode_segmentation(const CaseIdentity& identity, const SliceSet& sli
 }
 
 std::array<int, 3> lab_of(std::array<double, 3> rgb) {
-  for (double& c : rgb) c = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+  for (double& c : rgb) c = linear_of_srgb(c);
   const double x = (0.4124564 * rgb[0] + 0.3575761 * rgb[1] + 0.1804375 * rgb[2]) / 0.95047,
                y = 0.2126729 * rgb[0] + 0.7151522 * rgb[1] + 0.0721750 * rgb[2],
                z = (0.0193339 * rgb[0] + 0.1191920 * rgb[1] + 0.9503041 * rgb[2]) / 1.08883;

@@ -190,9 +190,9 @@ PackedShapes pack_shapes(const voxel::HapticVolume& volume, const Progress& prog
   each_voxel(volume.voxels, to, progress, [&](std::size_t at, Vec3 index) {
     std::array<int, 3> v{};
     if (!nearest(volume.voxels, index, v)) return;
-    out.numbers.bytes[at] = static_cast<char>(decoder.shape_at(v[0], v[1], v[2]));
+    const auto shapes = has_shares ? voxel::shapes_of_voxel(volume.voxels, v[0], v[1], v[2]) : voxel::VoxelShapes();
+    out.numbers.bytes[at] = static_cast<char>(has_shares ? shapes.number : decoder.shape_at(v[0], v[1], v[2]));
     if (!has_shares) return;
-    const voxel::VoxelShapes shapes = voxel::shapes_of_voxel(volume.voxels, v[0], v[1], v[2]);
     // Steps of 17 of 255 lay a surface at most 1/30 of a voxel aside, and take half the bytes.
     out.shares[at] = static_cast<char>(shapes.share > 0 ? std::max(1, (shapes.share + 8) / 17) * 17 : 0);
     out.shares[to.count() + at] = static_cast<char>(shapes.rest);

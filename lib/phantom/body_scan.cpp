@@ -58,4 +58,15 @@ Scan scan_body(const HuAt& hu, const ScanParams& params, std::uint64_t seed, con
   return out;
 }
 
+grid::Mask labelled(const Scan& scan, const std::function<int(Vec3 lps_mm)>& label) {
+  grid::Mask mask(lattice_of(scan));
+  parallel_for(0, mask.size[2], 1, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < mask.size[1]; ++j)
+        for (int i = 0; i < mask.size[0]; ++i)
+          mask.at(i, j, k) = std::uint8_t(label(mask.to_world_mm({double(i), double(j), double(k)})));
+  });
+  return mask;
+}
+
 }  // namespace trephine::phantom

@@ -18,6 +18,9 @@ using Artefacts = std::function<void(SliceImage&, const SlicePose&, double pixel
 Scan scan_body(const HuAt& hu, const ScanParams& params, std::uint64_t seed, const Progress& progress = {},
                const Artefacts& artefacts = {});
 
+/// What `label` says of the middle of each of the scan's voxels.
+grid::Mask labelled(const Scan& scan, const std::function<int(Vec3 lps_mm)>& label);
+
 /// The middle of the scanner's default block: where bodies that have a frame of their own are laid.
 Vec3 default_centre_mm();
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The chest on the scanner of the head, and its truth.
-#include "base/parallel.h"
 #include "base/write_file.h"
 #include "grid/nrrd.h"
 #include "phantom/body_scan.h"
@@ -68,22 +67,16 @@ std::int64_t write_truth(const std::filesystem::path& folder, const ChestParams&
   if (of.line.sides != ChestLine::Sides::none) json["put_in"] = put_in(of);
   if (has_pose(params)) json["chest_to_scan"] = json_of(head_pose(params));
   if (labels && has_lattice(params)) {
-    grid::Mask mask(lattice_of(scan));
-    parallel_for(0, mask.size[2], 1, [&](std::int64_t from, std::int64_t to) {
-      for (int k = int(from); k < to; ++k)
-        for (int j = 0; j < mask.size[1]; ++j)
-          for (int i = 0; i < mask.size[0]; ++i) {
-            const Vec3 p = mask.to_world_mm({double(i), double(j), double(k)}) - offset_mm();
-            mask.at(i, j, k) = !(chest.skin(p) > 0)      ? 0
-                               : chest.clavicle(p) > 0   ? 2
-                               : chest.other_bone(p) > 0 ? 3
-                               : chest.vein(p) > 0       ? 4
-                               : chest.artery(p) > 0     ? 5
-                               : chest.lung(p) > 0       ? 6
-                                                         : 1;
-          }
-    });
-    grid::write_nrrd(folder / "labels.nrrd", mask);
+    grid::write_nrrd(folder / "labels.nrrd", labelled(scan, [&](Vec3 at_mm) {
+                       const Vec3 p = at_mm - offset_mm();
+                       return !(chest.skin(p) > 0)      ? 0
+                              : chest.clavicle(p) > 0   ? 2
+                              : chest.other_bone(p) > 0 ? 3
+                              : chest.vein(p) > 0       ? 4
+                              : chest.artery(p) > 0     ? 5
+                              : chest.lung(p) > 0       ? 6
+                                                        : 1;
+                     }));
   }
   write_file(folder / "truth.json", json.dump(1) + "\n");
   return 6;

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "base/degree.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "phantom/random.h"
@@ -13,7 +14,6 @@
 namespace trephine::phantom {
 namespace {
 
-constexpr double degree = 0.017453292519943295;
 constexpr double fwhm_per_sigma = 2.3548200450309493;
 
 Vec3 turned(Vec3 v, Vec3 axis, double angle) {

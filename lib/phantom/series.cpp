@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "base/degree.h"
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/write_file.h"
@@ -130,7 +131,7 @@ void describe_patient_and_series(Attributes& a, const std::string& identity, con
   a.text(0x0012, 0x0063, VR::LO, "Synthetic: no patient");
   a.text(0x0018, 0x0050, VR::DS, decimal(p.slice_thickness_mm));
   a.text(0x0018, 0x0060, VR::DS, "120");
-  a.text(0x0018, 0x0088, VR::DS, decimal(p.slice_step_mm * std::cos(p.tilt_deg * 0.017453292519943295)));
+  a.text(0x0018, 0x0088, VR::DS, decimal(p.slice_step_mm * std::cos(p.tilt_deg * degree)));
   a.text(0x0018, 0x1120, VR::DS, decimal(p.tilt_deg));
   a.text(0x0018, 0x1210, VR::SH, "GAUSS" + decimal(p.kernel_mm));
   a.text(0x0018, 0x5100, VR::CS, position_code(p.position));

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The spine on the scanner of the head, and its truth.
-#include "base/parallel.h"
 #include "base/write_file.h"
 #include "grid/nrrd.h"
 #include "phantom/body_scan.h"
@@ -172,16 +171,10 @@ std::int64_t write_truth(const std::filesystem::path& folder, const SpineParams&
   if (of.screws.sides != SpineScrews::Sides::none) json["put_in"] = put_in(spine, params);
   if (has_pose(params)) json["spine_to_scan"] = json_of(head_pose(params));
   if (labels && has_lattice(params)) {
-    grid::Mask mask(lattice_of(scan));
-    parallel_for(0, mask.size[2], 1, [&](std::int64_t from, std::int64_t to) {
-      for (int k = int(from); k < to; ++k)
-        for (int j = 0; j < mask.size[1]; ++j)
-          for (int i = 0; i < mask.size[0]; ++i) {
-            const Vec3 p = mask.to_world_mm({double(i), double(j), double(k)}) - offset_mm();
-            mask.at(i, j, k) = spine.bone(p) > 0 ? 2 : spine.canal(p) > 0 ? 3 : spine.skin(p) > 0 ? 1 : 0;
-          }
-    });
-    grid::write_nrrd(folder / "labels.nrrd", mask);
+    grid::write_nrrd(folder / "labels.nrrd", labelled(scan, [&](Vec3 at_mm) {
+                       const Vec3 p = at_mm - offset_mm();
+                       return spine.bone(p) > 0 ? 2 : spine.canal(p) > 0 ? 3 : spine.skin(p) > 0 ? 1 : 0;
+                     }));
   }
   write_file(folder / "truth.json", json.dump(1) + "\n");
   return static_cast<std::int64_t>(json["pedicles"].size());

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/degree.h"
 #include "base/error.h"
-#include "base/pi.h"
 #include "picture/stroke.h"
 #include "surface/bounds.h"
 
@@ -101,8 +101,7 @@ Camera camera_for(const std::vector<SurfaceView>& surfaces, const RenderParams& 
   c.target_mm = (b.min_mm + b.max_mm) / 2;
   const double radius = std::max(1e-6, norm(b.max_mm - b.min_mm) / 2);
   if (params.field_of_view_deg > 0) {
-    constexpr double radians = pi / 180;
-    c.distance_mm = radius / std::sin(std::clamp(params.field_of_view_deg, 1.0, 120.0) / 2 * radians);
+    c.distance_mm = radius / std::sin(std::clamp(params.field_of_view_deg, 1.0, 120.0) / 2 * degree);
   }
 
   double x0 = 1e300, x1 = -1e300, y0 = 1e300, y1 = -1e300;

@@ -8,6 +8,7 @@
 
 #include <cmath>
 
+#include "base/degree.h"
 #include "itk_image.h"
 
 namespace trephine::itk {
@@ -16,7 +17,6 @@ namespace {
 using Metric = ::itk::MattesMutualInformationImageToImageMetricv4<Image, Image>;
 using Linear = ::itk::MatrixOffsetTransformBase<double, 3, 3>;
 
-constexpr double degree = 0.017453292519943295;
 constexpr double min_overlap = 0.3;
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "base/child.h"
+#include "base/degree.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/splitmix64.h"
@@ -160,7 +161,7 @@ double apart_mm(const LinearMap& a, const LinearMap& b, Vec3 centre) {
 /// The starts of a search without a given transform: centres of mass upon each other, turned and shifted.
 std::vector<Pose> starts(const Course& course) {
   const Vec3 shift = course.moving_centre - course.fixed_centre;
-  const double turn = 20 * 0.017453292519943295 * arm_mm;
+  const double turn = 20 * degree * arm_mm;
   std::vector<Pose> all{{0, 0, 0, shift.x, shift.y, shift.z}};
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (const double sign : {-1.0, 1.0}) {
