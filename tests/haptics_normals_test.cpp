@@ -45,8 +45,9 @@ Leaning leaning(double ball_mm, double sphere_mm, double voxel_mm, std::uint64_t
         centre = middle + out * (sphere_mm > 0 ? radius + ball_mm - 0.01 : radius - ball_mm + 0.01);
       }
       body.begin_frame();
-      const haptics::RoundBody::Touch t = body.deepest(centre, normal, 0, {});
+      haptics::RoundBody::Touch t = body.deepest(centre, normal, 0, {});
       if (!t.hit) continue;
+      body.set_on_edge(t, normal);
       deg.push_back(std::acos(std::clamp(dot(t.contact.normal, normal), -1.0, 1.0)) * 180 / M_PI);
     }
   }
@@ -112,30 +113,34 @@ double share_of(const std::vector<double>& sorted, double share) {
 TEST(HapticsNormals, OnPlanesAndSpheres) {
   for (const double voxel_mm : {0.4, 0.8})
     for (const double ball_mm : {1.0, 2.5, 3.5})
-      for (const double sphere_mm : {0.0, 5.0, 20.0, 100.0, -8.0, -100.0}) {
+      for (const double sphere_mm : {0.0, 3.0, 5.0, 20.0, 100.0, -8.0, -100.0}) {
         const Leaning is = leaning(ball_mm, sphere_mm, voxel_mm, 3);
         std::printf("  ball of %.1f mm radius on %6.1f mm, voxels %.1f: %.2f %.2f %.2f degrees\n", ball_mm, sphere_mm,
                     voxel_mm, is.p50_deg, is.p99_deg, is.max_deg);
-        // Discs are a voxel apart, which on a sphere of 5 mm are 9 degrees at 0.8 mm.
+        // Discs are a voxel apart, which at 0.8 mm are 9 degrees on a sphere of 5 mm, 15 on one of 3 mm.
         if (std::abs(sphere_mm) > 0 && std::abs(sphere_mm) < 10) {
-          EXPECT_LE(is.p99_deg, 5);
+          EXPECT_LE(is.p99_deg, sphere_mm == 3 && voxel_mm > 0.5 ? 14 : 5);
         } else {
           EXPECT_LE(is.p99_deg, 1.5);
         }
       }
 }
 
-// At an edge of a right angle the direction goes round from the one face's normal to the other's: to the nearest point
+// At an edge the direction goes round from the one face's normal to the other's: to the nearest point
 // of the edge, as the ball's middle goes round it. Voxels round an edge off, and the discs that are touched there face
 // one way or another; the two faces beside it are known. Rims are edges that curve, and in a corner three faces meet.
 TEST(HapticsNormals, AtEdgesRimsAndCorners) {
-  const MakeBody edge = [](std::mt19937_64& rng) {
-    const Vec3 a = any_way(rng), along = normalized(cross(a, Vec3{0.3, 1, 0.2})), b = cross(along, a);
-    return Body{[=](Vec3 p) { return std::min(-dot(p, a), -dot(p, b)); },
-                [=, &rng](double) {
-                  const double turn = uniform(rng, 0.1, M_PI / 2 - 0.1);
-                  return Place{along * uniform(rng, -3, 3), a * std::cos(turn) + b * std::sin(turn)};
-                }};
+  // Of two planes whose normals differ by that angle.
+  const auto edge = [](double turn_deg) -> MakeBody {
+    return [=](std::mt19937_64& rng) {
+      const Vec3 a = any_way(rng), along = normalized(cross(a, Vec3{0.3, 1, 0.2})), across = cross(along, a);
+      const double all = turn_deg * M_PI / 180;
+      const auto way = [=](double turn) { return a * std::cos(turn) + across * std::sin(turn); };
+      return Body{[=, b = way(all)](Vec3 p) { return std::min(-dot(p, a), -dot(p, b)); },
+                  [=, &rng](double) {
+                    return Place{along * uniform(rng, -3, 3), way(uniform(rng, 0.1, all - 0.1))};
+                  }};
+    };
   };
   // Of a cylinder's end, or of a hole (`hole`) as deep as the volume.
   const auto rim = [](double radius_mm, bool hole) -> MakeBody {
@@ -176,11 +181,16 @@ TEST(HapticsNormals, AtEdgesRimsAndCorners) {
   };
   constexpr double as_fourth = 90;  // in so few voxels a rim, and a corner, are not always told
   for (const Row& row :
-       {Row{"an edge", edge, {0.5, 0.5}, {1, 1}}, Row{"a corner", corner(false), {1, 8}, {as_fourth, as_fourth}},
+       {Row{"an edge", edge(90), {0.5, 0.5}, {1, 1}}, Row{"an edge of 150", edge(30), {1, 1}, {3, 3}},
+        Row{"an edge of 135", edge(45), {1, 1}, {3, 3}}, Row{"an edge of 120", edge(60), {1, 1}, {3, 3}},
+        Row{"an edge of 75", edge(105), {1, 1}, {3, 3}}, Row{"an edge of 60", edge(120), {1, 1}, {3, 3}},
+        Row{"a corner", corner(false), {1, 8}, {as_fourth, as_fourth}},
         Row{"an edge beside a corner", corner(true), {1, 8}, {as_fourth, as_fourth}},
         Row{"a cylinder's end, 3 mm radius", rim(3, false), {0.5, 3}, {1, as_fourth}},
         Row{"a cylinder's end, 6 mm radius", rim(6, false), {0.5, 0.5}, {1, 1}},
         Row{"a hole's rim, 2.5 mm radius", rim(2.5, true), {0.5, 3}, {3, as_fourth}},
+        Row{"a cylinder's end, 3.2 mm radius", rim(3.2, false), {0.5, 1}, {1, 3}},
+        Row{"a hole's rim, 3.2 mm radius", rim(3.2, true), {0.5, 3}, {3, 3}},
         Row{"a hole's rim, 4 mm radius", rim(4, true), {0.5, 1}, {3, 3}},
         Row{"a hole's rim, 7 mm radius", rim(7, true), {0.5, 0.5}, {1, 1}}})
     for (const double voxel_mm : {0.4, 0.8})

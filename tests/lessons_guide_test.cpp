@@ -203,3 +203,16 @@ TEST(LessonsGuide, AStepMayBeForAnyOfSeveralTools) {
   EXPECT_FALSE(lessons::is_for_tool(screw, "finder") || lessons::is_for_tool(finder, "finder_2") ||
                lessons::is_for_tool(none, ""));
 }
+
+// A syringe that drew nothing says so, as everything does that the panel lists, in the reader's language.
+TEST(LessonsGuide, WhatASyringeHoldsIsReadInBothLanguages) {
+  lessons_chest::Chest chest(false);
+  const auto d = chest.run(R"("aspirate", "finish")");
+  bool drew_nothing = false;
+  for (const lessons::LessonStatus& s : lessons::lesson_type("subclavian").status(d.facts)) {
+    if (s.name != "syringe") continue;
+    drew_nothing = true;
+    EXPECT_NE(lessons::lesson_words(Language::german, s.value), s.value);
+  }
+  EXPECT_TRUE(drew_nothing);
+}

@@ -11,7 +11,7 @@ import math
 import struct
 import sys
 
-VERSION = 20
+VERSION = 21
 THREE = ("tip_{}_mm", "axis_{}", "proxy_{}_mm", "normal_{}", "force_{}_n")
 NAMES = (["tick", "time_s", "dt_s"] + [n.format(a) for n in THREE for a in "xyz"] +
          ["buttons", "touched", "face", "inside", "held_by", "events", "faults", "late_us"])

@@ -10,11 +10,14 @@ namespace trephine::contact {
 namespace {
 
 constexpr double near_voxels = 1.9;                       // from an edge: where normals no longer know of it
-constexpr double steep = 0.42;                            // sine: how steeply a face falls off behind the touch's plane
-constexpr double least_turn = 0.87;                       // cosine between two faces
+constexpr double steep = 0.2;                             // sine: how steeply a face falls off behind the touch's plane
+constexpr double least_turn = 0.906, least_begun = 0.94;  // cosine between two faces, and between their first means
+constexpr double least_corner_turn = 0.87;                // the same of a corner's
+constexpr double round_by_turn = 0.12;                    // voxels by radian: a surface so far under its edge is round
+constexpr double crest_voxels = 0.7;                      // about the line of an edge: what was rounded off
 constexpr double faces_away = -0.3;                       // cosine: no face of this edge
 constexpr double alike = 0.85;                            // length of the mean of a face's normals
-constexpr double cut_off_voxels = 0.6;                    // of an edge, at most, by half occupancy and discs together
+constexpr double cut_off_voxels = 0.6;                    // of a right angle, at most, by half occupancy and discs
 constexpr double corner_off_voxels = 1.3;                 // the same of a corner
 constexpr double again_voxels = 0.3, again_alike = 0.97;  // cosine: of a touch, where the last one's faces hold
 constexpr double centred_voxels = 0.6;                    // about the edge, where the faces are taken
@@ -22,6 +25,7 @@ constexpr double third_turn = 0.7;       // cosine, at most: between a corner's 
 constexpr double corner_voxels = 4.5;    // how far a third face is looked for
 constexpr double third_voxels = 0.7;     // how far behind the others, at least, places are its own
 constexpr double own_turn = 0.6;         // cosine, at least: between a sample's normal and its face's
+constexpr double acute_turn = -0.18;     // cosine between two faces, at most
 constexpr double least_det = 0.2;        // of a corner's normals
 constexpr double least_explained = 0.7;  // of the samples around, where two faces are not all that is there
 constexpr int least_on_corner = 12;      // such samples
@@ -57,7 +61,14 @@ void RoundEdge::look(Vec3 place, double reach, int from, int into) {
   }
 }
 
-double RoundEdge::cut_off_mm() const { return (faces_.count > 2 ? corner_off_voxels : cut_off_voxels) * voxel_mm_; }
+double RoundEdge::cut_off_mm() const {
+  return (faces_.count > 2 ? corner_off_voxels : cut_off_voxels * sharper()) * voxel_mm_;
+}
+
+double RoundEdge::sharper() const {
+  const double turn = dot(faces_.plane[0].normal, faces_.plane[1].normal);
+  return std::max(1.0, std::sqrt((1 - turn) / std::max(0.1, 1 + turn)));
+}
 
 void RoundEdge::forget() {
   for (Found& f : found_) f.radius_mm = 0;
@@ -92,6 +103,7 @@ bool RoundEdge::find_anew(Vec3 touched, Vec3 normal, double radius, int from, in
   if (fallen < least_fallen) return false;
   const Vec3 on = sum / double(fallen);
   const bool two = find_two(touched, on, 3, normal, from, into, normals, computed);
+  if (two && !is_sharp()) return false;
   const Vec3 place = two ? faces_.at_mm : touched;
   Vec3 end = place;
   look(place, corner_voxels * voxel_mm_, from, into);
@@ -119,7 +131,7 @@ bool RoundEdge::find_two(Vec3 touched, Vec3 on, int tries, Vec3 normal, int from
   for (int n = 0; n < looks; ++n) {
     look(place, edge_far_voxels * voxel_mm_, from, into);
     take_samples(place, normal, edge_far_voxels, from, normals, computed);
-    if (!part_faces(place, 2)) {
+    if (!part_faces(place, 2, false) && !part_faces(place, 2, true)) {
       // One face was seen, or hardly the other: a voxel back, two, then on.
       constexpr double voxels_on[] = {-1, -1, 3};
       if (missed == tries) return false;
@@ -137,20 +149,45 @@ bool RoundEdge::find_two(Vec3 touched, Vec3 on, int tries, Vec3 normal, int from
   return true;
 }
 
+// Whether the surface comes as near to the line in which the faces meet as it does at an edge. That of a small ball is
+// taken for two faces, too, but remains far below their line.
+bool RoundEdge::is_sharp() const {
+  const Vec3 line = place_on_edge(faces_.at_mm);
+  double under = 0;
+  int count = 0;
+  for (int n = 0; n < count_; ++n) {
+    const Vec3 at = samples_[std::size_t(n)].point_mm;
+    if (off_line(at, line) > crest_voxels * voxel_mm_) continue;
+    under -= off_faces(at);
+    ++count;
+  }
+  const double turn = std::acos(std::clamp(dot(faces_.plane[0].normal, faces_.plane[1].normal), -1.0, 1.0));
+  return count > 0 && under < round_by_turn * turn * voxel_mm_ * count;
+}
+
+double RoundEdge::off_line(Vec3 place, Vec3 line) const {
+  const Vec3 d = place - line;
+  return norm(d - faces_.along * dot(faces_.along, d));
+}
+
 // Whether samples stand there that are of neither of the two faces, as where an edge ends in a corner; that is about
 // the place, then.
 bool RoundEdge::ends_near(Vec3& place) const {
   bool ends = false;
-  for (int n = 0; n < taken_count_; ++n)
+  const bool acute = dot(faces_.plane[0].normal, faces_.plane[1].normal) < acute_turn;
+  for (int n = 0; n < taken_count_; ++n) {
+    // Along an acute edge normals of what was rounded off are like neither face's.
+    if (acute && off_line(taken_[n].point_mm, faces_.at_mm) < near_voxels * voxel_mm_) continue;
     ends = ends || std::max(dot(taken_[n].normal, faces_.plane[0].normal),
                             dot(taken_[n].normal, faces_.plane[1].normal)) < own_turn;
+  }
   double sum = 0;
   int behind = 0;
   for (int n = 0; n < count_; ++n) {
     const Vec3 at = samples_[std::size_t(n)].point_mm;
     const double off = off_faces(at);
     ends = ends || off > third_voxels * voxel_mm_;
-    if (off > -third_voxels * voxel_mm_) continue;
+    if (off > -third_voxels * sharper() * voxel_mm_) continue;
     sum += dot(faces_.along, at - faces_.at_mm);
     ++behind;
   }
@@ -163,7 +200,7 @@ bool RoundEdge::find_three(Vec3 place, Vec3 touched, Vec3 normal, int from, int 
                            int& computed) {
   look(place, corner_voxels * voxel_mm_, from, into);
   take_samples(place, normal, corner_voxels, from, normals, computed);
-  if (!part_faces(place, 3)) return false;
+  if (!part_faces(place, 3, false)) return false;
   faces_.at_mm = place;
   fit_all();
   const Plane* p = faces_.plane;
@@ -180,7 +217,7 @@ bool RoundEdge::find_three(Vec3 place, Vec3 touched, Vec3 normal, int from, int 
   faces_.at_mm = corner;
   fit_all();
   for (int a = 0; a < 3; ++a)
-    if (dot(p[a].normal, p[(a + 1) % 3].normal) > least_turn) return false;
+    if (dot(p[a].normal, p[(a + 1) % 3].normal) > least_corner_turn) return false;
   return true;
 }
 
@@ -204,9 +241,16 @@ void RoundEdge::take_samples(Vec3 place, Vec3 normal, double most_voxels, int fr
   }
 }
 
-// The normal that most others are like, and ones that most of the rest are like.
-bool RoundEdge::first_means(Vec3* mean, int faces) const {
-  const auto square = [](double x) { return x > 0 ? x * x : 0; };
+// The normal that most others are like, and ones that most of the rest are like. Of faces that turn but little (`flat`)
+// what lies between them is like both, so alike means more.
+bool RoundEdge::first_means(Vec3* mean, int faces, bool flat) const {
+  const auto alike_by = [flat](double cosine) {
+    if (!(cosine > 0)) return 0.0;
+    double by = cosine * cosine;
+    for (int n = 0; flat && n < 4; ++n) by *= by;
+    return by;
+  };
+  const double least = faces > 2 ? third_turn : flat ? least_begun : least_turn;
   double left[max_taken];
   std::fill(left, left + taken_count_, 1.0);
   int seed[max_faces];
@@ -219,27 +263,26 @@ bool RoundEdge::first_means(Vec3* mean, int faces) const {
       for (int other = 0; other < face; ++other) {  // each lies behind the others
         const Taken& o = taken_[seed[other]];
         const Vec3 across = t.point_mm - o.point_mm;
-        fits = fits && dot(t.normal, o.normal) <= (faces > 2 ? third_turn : least_turn) && dot(o.normal, across) <= 0 &&
-               dot(t.normal, across) >= 0;
+        fits = fits && dot(t.normal, o.normal) <= least && dot(o.normal, across) <= 0 && dot(t.normal, across) >= 0;
       }
       if (!fits) continue;
       double sum = 0;
-      for (int b = 0; b < taken_count_; ++b) sum += left[b] * square(dot(t.normal, taken_[b].normal));
+      for (int b = 0; b < taken_count_; ++b) sum += left[b] * alike_by(dot(t.normal, taken_[b].normal));
       if (sum <= most) continue;
       most = sum;
       seed[face] = a;
     }
     if (seed[face] < 0) return false;
     mean[face] = taken_[seed[face]].normal;
-    for (int b = 0; b < taken_count_; ++b) left[b] -= std::min(left[b], square(dot(mean[face], taken_[b].normal)));
+    for (int b = 0; b < taken_count_; ++b) left[b] -= std::min(left[b], alike_by(dot(mean[face], taken_[b].normal)));
   }
   return true;
 }
 
 // Parts the samples by the face whose normal theirs is most like, some rounds.
-bool RoundEdge::part_faces(Vec3 place, int faces) {
+bool RoundEdge::part_faces(Vec3 place, int faces, bool flat) {
   Vec3 mean[max_faces];
-  if (!first_means(mean, faces)) return false;
+  if (!first_means(mean, faces, flat)) return false;
   for (int round = 0; round < rounds; ++round) {
     const Vec3 along = normalized(cross(mean[0], mean[1]));
     Vec3 normal[max_faces], point[max_faces];
@@ -266,7 +309,7 @@ bool RoundEdge::part_faces(Vec3 place, int faces) {
     }
   }
   faces_.count = faces;
-  return dot(mean[0], mean[1]) <= least_turn;
+  return dot(mean[0], mean[1]) <= (faces > 2 ? least_corner_turn : least_turn);
 }
 
 }  // namespace trephine::contact

@@ -48,6 +48,9 @@ class RoundEdge {
                 int& computed);
   bool find_three(Vec3 place_mm, Vec3 touched_mm, Vec3 normal, int from, int into, KnownNormals& normals,
                   int& computed);
+  double sharper() const;  // than a right angle, of what voxels cut off: at least 1
+  bool is_sharp() const;
+  double off_line(Vec3 place_mm, Vec3 line_mm) const;
   bool ends_near(Vec3& place_mm) const;
   double off_faces(Vec3 place_mm) const;
   int count_on_faces() const;
@@ -55,8 +58,8 @@ class RoundEdge {
   void take_samples(Vec3 place_mm, Vec3 normal, double most_voxels, int from, KnownNormals& normals, int& computed);
   Vec3 place_on_edge(Vec3 place_mm) const;
   bool is_convex() const;
-  bool part_faces(Vec3 place_mm, int faces);
-  bool first_means(Vec3* mean, int faces) const;
+  bool part_faces(Vec3 place_mm, int faces, bool flat);
+  bool first_means(Vec3* mean, int faces, bool flat) const;
   void fit_all();
   void fit(int face, double within_voxels);
   Plane tangent(int face, double along_mm) const;

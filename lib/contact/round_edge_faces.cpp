@@ -9,9 +9,10 @@
 namespace trephine::contact {
 namespace {
 
-constexpr double convex = 0.05;     // sine: how far each face lies behind the other
-constexpr double own_voxels = 0.9;  // from the other face's plane: where places are one face's own
-constexpr double most_turn = 0.3, most_corner_turn = 0.7;  // tangent, of a plane that is fitted
+constexpr double convex = 0.05;      // sine: how far each face lies behind the other
+constexpr double own_voxels = 0.9;   // from the other face's plane, at a right angle: where places are one face's own
+constexpr double flat_voxels = 1.3;  // along a face that turns but little, from the edge: the same
+constexpr double most_turn = 0.5, most_corner_turn = 0.7;  // tangent, of a plane that is fitted
 constexpr double tightest_voxels = 1.5;                    // radius of an arc
 constexpr double on_voxels = 0.3;                          // from its faces, at most: a sample that they explain
 
@@ -82,6 +83,10 @@ void RoundEdge::fit(int face, double within_voxels) {
   origin += along * dot(faces_.at_mm - origin, along);
   const double bend = faces_.bend[face];
   const int unknowns = corner ? 3 : 4;  // off, turned along and across the edge, bent
+  const double turn = dot(normal, beside), sine = std::sqrt(std::max(0.0, 1 - turn * turn));
+  const double own_mm = voxel_mm_ * (corner     ? own_voxels
+                                     : turn < 0 ? own_voxels * sharper() * sine
+                                                : std::min(own_voxels, flat_voxels * sine));
   double m[4][5] = {};
   int own = 0;
   for (int n = 0; n < count_; ++n) {
@@ -92,7 +97,7 @@ void RoundEdge::fit(int face, double within_voxels) {
     for (int other = 0; other < faces_.count; ++other) {
       if (other == face) continue;
       const Plane p = corner ? faces_.plane[other] : tangent(other, dot(along, place - faces_.at_mm));
-      others = others || dot(place - p.point_mm, p.normal) > -own_voxels * voxel_mm_;
+      others = others || dot(place - p.point_mm, p.normal) > -own_mm;
     }
     if (others) continue;
     ++own;

@@ -19,7 +19,7 @@ namespace trephine::haptics {
 
 /// The one version that is written and read. Whatever changes forces, the header or the frames raises it and removes
 /// what it replaces.
-constexpr int recording_version = 20;
+constexpr int recording_version = 21;
 
 /// What was cut.
 struct RecordedCutting {

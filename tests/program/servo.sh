@@ -153,7 +153,7 @@ grep -q '^500 frames are missing' "$work/stdout" || fail "does not say that fram
 # A recording of another version is refused, and both are named.
 cp "$work/a.servo" "$work/other.servo"
 printf '\x09' | dd of="$work/other.servo" bs=1 seek=8 conv=notrunc status=none
-expect 65 'version: 9, this program reads version 20: record it anew' "$TREPHINE" replay "$work/sample" "$work/other.servo"
+expect 65 'version: 9, this program reads version 21: record it anew' "$TREPHINE" replay "$work/sample" "$work/other.servo"
 expect 64 '[-]-tool-spacing-mm: gives more than 2048 points' "${servo[@]}" --tool catheter --tool-spacing-mm 0.01
 
 # A tool of somebody's own points; its recording holds a replay to the same file.

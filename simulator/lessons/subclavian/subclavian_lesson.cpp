@@ -161,7 +161,8 @@ LessonType subclavian_lesson() {
              {"Syringe", "Spritze"},
              {"blood", "Blut"},
              {"bright blood", "hellrotes Blut"},
-             {"air", "Luft"}};
+             {"air", "Luft"},
+             {"none", "nichts"}};
   append(m.texts, subclavian_words());
   m.guide = [](const LessonFacts& facts) {
     const SubclavianFacts& f = own(facts);
