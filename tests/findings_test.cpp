@@ -150,6 +150,35 @@ TEST(Findings, AGapOfTheOccipitalBoneIsMeasured) {
   EXPECT_LT(Scene::figure(gaps[0], "area_cm2"), 5.3);
 }
 
+// A burr hole over which bone has grown: its inner table is whole, and a dent is left of it.
+TEST(Findings, AHoleThatBoneHasClosedIsADent) {
+  const auto dented = [](double radius_mm, double deep_mm) {
+    return Scene({}, phantom::Variant::normal, 2, 5, [&](Scene& scene, const phantom::Head& head) {
+      const Vec3 on_skin = head.landmark("kocher_right"), in = normalized(Vec3{0, 0, 60} - on_skin);
+      double bone_mm = 0;
+      while (head.implicit_mm(phantom::Anatomy::skull, on_skin + in * bone_mm) > 0) bone_mm += 0.2;
+      auto& v = std::get<grid::Grid<std::int16_t>>(scene.volume);
+      for (int k = 0; k < v.size[2]; ++k)
+        for (int j = 0; j < v.size[1]; ++j)
+          for (int i = 0; i < v.size[0]; ++i) {
+            const Vec3 d = v.to_world_mm({double(i), double(j), double(k)}) - on_skin;
+            const double along = dot(d, in);
+            if (norm(d - in * along) > radius_mm || along > bone_mm + deep_mm || along < -5) continue;
+            if (!(scene.skull.at(i, j, k) > 0)) continue;
+            scene.skull.at(i, j, k) = -1;
+            v.at(i, j, k) = 40;
+          }
+    });
+  };
+  const Scene hole = dented(7, 3.5), shallow = dented(7, 0.5);
+  const auto dents = hole.of(FindingKind::bone_gap);
+  ASSERT_EQ(dents.size(), 1u);
+  EXPECT_NEAR(Scene::figure(dents[0], "depth_mm"), 3.5, 1.5);
+  EXPECT_GE(dents[0].confidence, findings::sure_confidence);
+  EXPECT_EQ(dents[0].side, "right");
+  EXPECT_TRUE(shallow.of(FindingKind::bone_gap).empty());
+}
+
 TEST(Findings, InNoiseThatLeavesNoTissueToMeasureItAllButMetalIsDoubtful) {
   phantom::HardParams hard;
   hard.craniectomy = true;

@@ -14,7 +14,6 @@ namespace trephine::findings {
 namespace {
 
 constexpr int rays = 16000;
-constexpr double min_up_mm = 32;  ///< of the template: below it orbits, ears and thin temporal bone
 constexpr double step_mm = 0.5, reach_mm = 45;
 // Below the vault the occipital bone is looked through from the cerebellum: backwards, between the foramen magnum and
 // the inion, through the muscles of the nape.
@@ -103,8 +102,7 @@ std::vector<Seen> bone_gaps(const Inside& in, const grid::HuVolume& volume, cons
   for (int n = 0; n < rays; ++n) {  // evenly over the sphere, along a spiral
     const double z = 1 - 2 * (n + 0.5) / rays, r = std::sqrt(1 - z * z), turn = pi * (3 - std::sqrt(5.0)) * n;
     const Vec3 way{r * std::cos(turn), r * std::sin(turn), z};
-    if (in.place.sure ? in.place.to_template(middle + way * 70).z >= min_up_mm + 20 : z >= 0.35)
-      look(middle, way, reach_mm);
+    if (in.place.sure ? in.place.to_template(middle + way * 70).z >= vault_mm : z >= 0.35) look(middle, way, reach_mm);
   }
   const std::size_t of_vault = at.size();
   if (in.place.sure) {

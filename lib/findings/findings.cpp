@@ -142,6 +142,7 @@ Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes
   append(dark_tissue(in, params, progress.part(0.6, 0.7)));
   append(of_figures(shapes, params, progress.part(0.7, 0.8)));
   append(bone_gaps(in, volume, *shapes.skull, params));
+  append(bone_dents(in, *shapes.skull, l));
   append(std::move(implants));
 
   // Noise that leaves no even tissue to measure it in: what is seen through it may be made of it. Bone stands out of

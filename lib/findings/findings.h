@@ -136,6 +136,9 @@ using Findings = Outcome<grid::LabelFile, FindingsResult>;
 ///   the skull. In thick slices it is sure where it is several slices wide, or a round hole wider than a slice. Of the
 ///   occipital bone between inion and foramen magnum, where the head fits the template, rays from the cerebellum; the
 ///   area at the brain, which is smaller.
+///   So is a round place of 0.3 to 3 cm2 where the vault's outer table lies 1.8 mm or more below that around it (then
+///   there is a depth_mm), and the bone is thinner, but closed: a burr hole over which bone has grown. It is looked for
+///   where the template lies surely.
 /// - metal: above the base of the skull, within 25 mm of the brain. Pieces that are hardly denser than the vault's
 ///   densest bone (1.3 times; 1.7 times at the petrous bones) are one doubtful finding of their own.
 /// - tube: straight, thin and long, in the brain; doubtful where it keeps to a few slices, as streaks of metal do.

@@ -12,6 +12,10 @@ namespace trephine::findings {
 /// known to have it (0.79 ml).
 constexpr double vessels_ml = 0.65;
 
+/// Of the template, 70 mm from the middle of the head: from here on a ray meets the vault. Below lie orbits, ears and
+/// thin temporal bone.
+constexpr double vault_mm = 52;
+
 /// The inside of the head on cells of about 1.5 mm.
 struct Inside {
   mask::CoarseRaster raster;
@@ -53,6 +57,8 @@ std::vector<Seen> dense_tissue(const Inside& in, const std::vector<Seen>& implan
 std::vector<Seen> dark_tissue(const Inside& in, const FindingsParams& params, const Progress& progress);
 std::vector<Seen> bone_gaps(const Inside& in, const grid::HuVolume& volume, const grid::Field& skull,
                             const FindingsParams& params);
+/// Where the vault's outer table is dented over a round place, and the bone is thin there, but closed.
+std::vector<Seen> bone_dents(const Inside& in, const grid::Field& skull, const grid::Lattice& scan);
 std::vector<Seen> metal(const Inside& in, const grid::HuVolume& volume, const grid::Field& skull,
                         const FindingsParams& params, const Progress& progress);
 std::vector<Seen> tubes(const Inside& in, const grid::HuVolume& volume, const FindingShapes& shapes,

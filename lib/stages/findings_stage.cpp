@@ -10,7 +10,7 @@ namespace trephine::stages {
 StageType findings_stage() {
   StageType s;
   s.name = "findings";
-  s.version = 14;
+  s.version = 15;
   s.typical.base_s = 0.3;
   s.typical.per_million_voxels_s = 0.038;
   s.place = StagePlace::scan;
@@ -19,8 +19,10 @@ StageType findings_stage() {
   s.summary = "says what of a head should be looked at: blood, dark tissue, shift, gaps of the bone, implants";
   s.description =
       "Measures what speaks against a usual head: tissue as dense as fresh blood in the ventricles, in the brain or "
-      "beside it, dark tissue of the brain, a shift of the midline, wide ventricles, gaps in the bone of the vault, "
-      "metal and tubes. Each has a place, its size in ml, mm or cm2, a confidence, and the anatomies that may be wrong "
+      "beside it, dark tissue of the brain, a shift of the midline, wide ventricles, gaps and round dents in the bone "
+      "of the "
+      "vault, metal and tubes. Each has a place, its size in ml, mm or cm2, a confidence, and the anatomies that may "
+      "be wrong "
       "because of it. Nothing is diagnosed, and a head without findings is not healthy because of that: it is for a "
       "person to look at. The output has a label for the voxels of each.";
   s.examples = {
