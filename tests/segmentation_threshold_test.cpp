@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "base/error.h"
 #include "field_deviation.h"
 #include "report_of.h"
 #include "segmentation_samples.h"
@@ -174,6 +175,37 @@ TEST(SegmentThreshold, ACutThroughMaterialIsNoStaircase) {
   masks.within = nullptr;
   masks.without = &half;
   EXPECT_TRUE(holds(run(block, p, masks), {5, 0, 0}));
+}
+
+// Where the field ends within a chest, the lung that it cuts open lies outside of the skin.
+TEST(SegmentThreshold, ABodyThatTheFieldCutsOpenIsWhyNothingLiesInIt) {
+  const auto said = [](int columns, double lung_mm) {
+    grid::Lattice l = lattice(columns, 60, 30, {2, 2, 3});
+    l.origin_mm.x = -59;
+    const grid::Grid<float> chest = sampled(l, [&](Vec3 p) {
+      return std::abs(p.x) > 50 || std::abs(p.y) > 50 ? -1000.0 : norm(p - Vec3{0, 0, p.z}) < lung_mm ? -800.0 : 40.0;
+    });
+    const grid::Field skin = sampled(l, [&](Vec3 p) {
+      return std::abs(p.x) < 50 && std::abs(p.y) < 50 && norm(p - Vec3{0, 0, p.z}) > lung_mm ? 1.0 : -1.0;
+    });
+    segmentation::SegmentParams lung;
+    lung.lower_hu = -1100;
+    lung.upper_hu = -450;
+    segmentation::SegmentMasks masks;
+    masks.within = &skin;
+    try {
+      segmentation::segment(grid::HuVolume(chest), masks, lung);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::quality);
+      return std::string(e.what());
+    }
+    return std::string("found");
+  };
+  const std::string half = said(30, 30), whole = said(60, 0);
+  EXPECT_NE(half.find("are cut by the sides of the field of view"), std::string::npos) << half;
+  EXPECT_NE(half.find("field of view shows all of the body"), std::string::npos) << half;
+  EXPECT_EQ(half.find("lower_hu`"), std::string::npos) << half;
+  EXPECT_NE(whole.find("the mask is empty"), std::string::npos) << whole;
 }
 
 TEST(SegmentThreshold, GrowMovesTheSurfaceByMillimetres) {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/refusal.h"
 #include "mask/filters.h"
 #include "mask/surface_field.h"
 #include "segmentation/even_core.h"
@@ -25,6 +26,7 @@ constexpr double rim_mm = 2;             ///< how deep below the surface of a bo
 constexpr double min_rim_ml = 2;         ///< less may be thin bone at the surface
 constexpr double max_even_ml = 1;        ///< of bone's inside, in one piece
 constexpr double plate_core_mm = 1;      ///< a thin part of at least twice this
+constexpr double min_cut_cm2 = 10;       ///< of a body: the field of view cuts it open
 constexpr double plate_span_mm = 100;    ///< and this long, cut by the volume's edge, is a table or head holder
 
 /// The value that places the surface: HU above the lower threshold, or below the upper one where that is nearer. The
@@ -146,6 +148,32 @@ void look_for_blood(const mask::BitMask& shape, const mask::HuView& hu, std::arr
           {"z_mm", core.middle_mm.z}}});
 }
 
+/// How much of the mask the sides of the volume cut, above and below not counted.
+double cut_by_sides_mm2(const mask::BitMask& mask) {
+  const grid::Lattice& l = mask.lattice();
+  double mm2 = 0;
+  for (int k = 0; k < l.size[2]; ++k) {
+    for (int j = 0; j < l.size[1]; ++j)
+      mm2 += (mask.get(0, j, k) + mask.get(l.size[0] - 1, j, k)) * l.spacing_mm.y * l.spacing_mm.z;
+    for (int i = 0; i < l.size[0]; ++i)
+      mm2 += (mask.get(i, 0, k) + mask.get(i, l.size[1] - 1, k)) * l.spacing_mm.x * l.spacing_mm.z;
+  }
+  return mm2;
+}
+
+/// Where the field cuts a body open, what the body holds lies outside of it, as a lung does whose chest is cut through.
+void require_closed(const mask::BitMask& within, double inside_ml) {
+  const double cm2 = cut_by_sides_mm2(within) / 100;
+  if (cm2 < min_cut_cm2) return;
+  throw refusal("within",
+                fmt::format("{:.0f} cm2 of what it must lie inside of are cut by the sides of the field of view, and "
+                            "{:.0f} ml between lower_hu and upper_hu are left inside: what a field cuts open lies "
+                            "outside",
+                            cm2, inside_ml),
+                {"take a series whose field of view shows all of the body (`import --list` shows all), or leave it out "
+                 "of the scene; of a chest configs/ct_chest_bone.yaml makes skin and bone"});
+}
+
 }  // namespace
 
 Outcome<grid::Field, SegmentResult> segment_threshold(const mask::HuView& hu, const SegmentMasks& masks,
@@ -171,9 +199,11 @@ Outcome<grid::Field, SegmentResult> segment_threshold(const mask::HuView& hu, co
   };
 
   mask::BitMask shape = make([&](float v) { return window(v) > 0; });
+  double inside_ml = 0;
   if (masks.within) {
     const mask::BitMask within = mask::positive(*masks.within, work);
     shape &= within;
+    inside_ml = double(shape.count()) * work.voxel_volume_mm3() / 1000;
     if (p.seed_lower_hu > p.lower_hu) shape.remove(bright_rim(shape, within, made, progress));
   }
   if (masks.without) shape.remove(mask::positive(*masks.without, work));
@@ -203,7 +233,10 @@ Outcome<grid::Field, SegmentResult> segment_threshold(const mask::HuView& hu, co
     shape |= filled;
   }
   progress.report(0.6);
-  if (!shape.any()) mask::check_mask(shape, hu.lattice().count());
+  if (!shape.any()) {
+    if (masks.within) require_closed(mask::positive(*masks.within, hu.lattice()), inside_ml);
+    mask::check_mask(shape, hu.lattice().count());
+  }
 
   grid::Box box = shape.bounds();  // from the working lattice's indices to the volume's
   for (int axis = 0; axis < 3; ++axis) {
