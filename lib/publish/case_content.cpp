@@ -51,6 +51,7 @@ class Builder {
     add_landmarks(config_, graph_, results_, manifest());
     add_findings();
     doubt_the_targets(manifest());
+    for (const pipeline::NodeResult& r : results_) doubt_landmarks(r.warnings, manifest());
     for (std::size_t i = 0; i < graph_.anatomies.size(); ++i) {
       surfaces.report(double(i) / double(graph_.anatomies.size()));
       add_anatomy(graph_.anatomies[i], config_.scene[i]);

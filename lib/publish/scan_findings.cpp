@@ -5,10 +5,12 @@
 
 #include <algorithm>
 
+#include "stages/warning_kind.h"
+
 namespace trephine::publish {
 namespace {
 
-constexpr double how_sure = 0.6, doubtful_target = 0.4;
+constexpr double how_sure = 0.6, doubtful_point = 0.4;
 
 /// Of each node, whether it is made of the other one; sources come before their readers.
 std::vector<char> made_of(const pipeline::Graph& graph, int source) {
@@ -33,6 +35,15 @@ std::vector<std::string> anatomies_made_of(const config::CaseConfig& config, con
       names.push_back(a.name);
   }
   return names;
+}
+
+// A target and the landmark of its name, where no person gave it.
+void doubt(cases::CaseTarget& target, cases::CaseManifest& manifest) {
+  const auto point = std::find_if(manifest.landmarks.begin(), manifest.landmarks.end(),
+                                  [&](const cases::CaseLandmark& l) { return l.name == target.name; });
+  if (point != manifest.landmarks.end() && point->source == "given") return;
+  target.confidence = std::min(target.confidence, doubtful_point);
+  if (point != manifest.landmarks.end()) point->confidence = std::min(point->confidence, doubtful_point);
 }
 
 }  // namespace
@@ -69,14 +80,17 @@ bool may_be_of_another(const cases::CaseManifest& manifest, const std::string& a
 }
 
 void doubt_the_targets(cases::CaseManifest& manifest) {
-  for (cases::CaseTarget& target : manifest.targets) {
-    if (!may_be_of_another(manifest, target.anatomy)) continue;
-    const auto point = std::find_if(manifest.landmarks.begin(), manifest.landmarks.end(),
-                                    [&](const cases::CaseLandmark& l) { return l.name == target.name; });
-    if (point != manifest.landmarks.end() && point->source == "given") continue;
-    target.confidence = std::min(target.confidence, doubtful_target);
-    if (point != manifest.landmarks.end()) point->confidence = std::min(point->confidence, doubtful_target);
-  }
+  for (cases::CaseTarget& target : manifest.targets)
+    if (may_be_of_another(manifest, target.anatomy)) doubt(target, manifest);
+}
+
+void doubt_landmarks(const Warnings& warnings, cases::CaseManifest& manifest) {
+  if (std::none_of(warnings.begin(), warnings.end(),
+                   [](const Warning& w) { return stages::kind_of(w).about_landmarks; }))
+    return;
+  for (cases::CaseTarget& target : manifest.targets) doubt(target, manifest);
+  for (cases::CaseLandmark& l : manifest.landmarks)
+    if (l.source != "given") l.confidence = std::min(l.confidence, doubtful_point);
 }
 
 }  // namespace trephine::publish

@@ -27,4 +27,9 @@ bool may_be_of_another(const cases::CaseManifest& manifest, const std::string& a
 /// are known. A scene's own limits of confidence were judged before, by what the landmarks' stage said.
 void doubt_the_targets(cases::CaseManifest& manifest);
 
+/// The same of all landmarks and targets, beside a warning that speaks against the places of landmarks
+/// (stages/warning_kind.h). A scan that was stretched still shows where its face is, so that the landmarks' stage says
+/// nothing of it.
+void doubt_landmarks(const Warnings& warnings, cases::CaseManifest& manifest);
+
 }  // namespace trephine::publish

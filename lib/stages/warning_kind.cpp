@@ -9,7 +9,7 @@ namespace {
 using Kinds = std::map<std::string, WarningKind>;
 
 void add(Kinds& kinds, Severity severity, const std::vector<std::string>& about, const std::vector<const char*>& ids) {
-  for (const char* id : ids) kinds[id] = {severity, about};
+  for (const char* id : ids) kinds[id] = {severity, about, false};
 }
 
 Kinds make_kinds() {
@@ -46,6 +46,7 @@ Kinds make_kinds() {
   add(k, Severity::wrong,
       {"skin", "skull", "brain", "ventricles", "dura", "midline", "sagittal_sinus", "third_ventricle", "brainstem"},
       {"unusual_proportions"});
+  k["unusual_proportions"].about_landmarks = true;
   add(k, Severity::wrong, {"skin", "bone", "canal"}, {"unusual_levels"});
   add(k, Severity::wrong, {"clavicle", "vein"}, {"no_clavicle"});
   add(k, Severity::wrong, {"lung", "pleura"}, {"lung_interrupted", "lung_ends_early"});

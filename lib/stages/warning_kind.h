@@ -21,6 +21,8 @@ struct WarningKind {
   /// The anatomies that a wrong one speaks against, by their usual names. Empty: the one whose stage gave it. It never
   /// speaks against anatomies that a case has not.
   std::vector<std::string> about;
+  /// Whether it speaks against the places of landmarks, too: the whole scan may be stretched.
+  bool about_landmarks = false;
 };
 
 /// A warning as it is told: its words, with who gave it.
