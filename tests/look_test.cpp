@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -107,6 +108,31 @@ TEST(Look, SidesThatTheFieldCutsAreSaid) {
   EXPECT_NE(seen.sayings[0].find("left"), std::string::npos) << seen.sayings[0];
   EXPECT_TRUE(
       std::any_of(seen.ends.begin(), seen.ends.end(), [](const std::string& e) { return e.rfind("left ", 0) == 0; }));
+}
+
+TEST(Look, SlicesThatWereNotMeasuredAreSaid) {
+  const std::size_t slice = std::size_t(head().size[0]) * std::size_t(head().size[1]);
+  const auto at = [&](Volume& v, int k) { return v.voxels.begin() + std::ptrdiff_t(std::size_t(k) * slice); };
+  EXPECT_FALSE(look::blank_slices(head()));
+  Volume repeated = head(), empty = head();
+  for (int k = 41; k < 50; ++k) std::copy_n(at(repeated, 40), slice, at(repeated, k));
+  std::fill(at(empty, 30), at(empty, 33), std::int16_t(-1024));
+  std::fill(at(empty, head().size[2] - 5), empty.voxels.end(), std::int16_t(-1024));  // beyond the scan
+  for (const auto& [volume, count, first, last] : {std::tuple{&repeated, 9, 41, 49}, {&empty, 3, 30, 32}}) {
+    const auto blank = look::blank_slices(*volume);
+    ASSERT_TRUE(blank);
+    EXPECT_EQ(blank->count, count);
+    EXPECT_NEAR(blank->from_mm, head().to_world_mm({0, 0, double(first)}).z, 1e-9);
+    EXPECT_NEAR(blank->to_mm, head().to_world_mm({0, 0, double(last)}).z, 1e-9);
+    const look::ScanLook seen = look::look_at(*volume, "HFS");
+    EXPECT_EQ(look::figures_of(seen).blank_slices_count, count);
+    const Warnings said = look::warnings_of(seen);
+    EXPECT_TRUE(std::any_of(said.begin(), said.end(), [](const Warning& w) { return w.id == "blank_slices"; }));
+  }
+  // Without noise neighbours may be alike.
+  Volume smooth = head();
+  for (int k = 1; k < smooth.size[2]; ++k) std::copy_n(at(smooth, 0), slice, at(smooth, k));
+  EXPECT_FALSE(look::blank_slices(smooth));
 }
 
 TEST(Look, TheSameWithOneAndFourThreads) {

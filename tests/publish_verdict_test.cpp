@@ -7,6 +7,8 @@
 #include <algorithm>
 
 #include "look/body_part.h"
+#include "publish/scan_findings.h"
+#include "stages/import.h"
 #include "stages/stage.h"
 
 namespace trephine {
@@ -28,6 +30,22 @@ TEST(Verdict, OfAScanThatShowsNoHeadIsDoubtful) {
   EXPECT_EQ(verdict(look::IsExpected::yes), "skull: good");
   EXPECT_EQ(verdict(look::IsExpected::unknown),
             "skull: doubtful; it is not sure that the scan shows the part of the body that is made of it");
+}
+
+// What a program repeated or lost between the slices speaks against everything that is made of them.
+TEST(Verdict, OfAScanWithSlicesThatWereNotMeasuredIsDoubtful) {
+  cases::CaseManifest manifest;
+  stages::ImportStageResult result;
+  result.seen = look::LookFigures{};
+  const auto verdict = [&] {
+    stages::CaseParts parts;
+    stages::stage_named("import").contribute(AnyParams::make(result), parts);
+    return publish::verdict_text(publish::judge_anatomies({"skin", "skull"}, manifest, parts.evidence), manifest,
+                                 parts.evidence, parts.remarks);
+  };
+  EXPECT_EQ(verdict(), "skin, skull: good");
+  result.seen->blank_slices_count = 14;
+  EXPECT_EQ(verdict(), "skin, skull: doubtful (14 slices were not measured)");
 }
 
 using publish::AnatomyState;
@@ -60,6 +78,26 @@ TEST(Verdict, NotesAndPlacesToLookAtSpeakAgainstNothing) {
     EXPECT_TRUE(publish::evidence_of(Warning{id, "", {}}, "skull").empty()) << id;
   EXPECT_EQ(stages::kind_of({"isovalue_lowered", "", {}}).severity, stages::Severity::note);
   EXPECT_EQ(stages::kind_of({"no_such_kind", "", {}}).severity, stages::Severity::look);
+}
+
+// Slices at a wrong distance stretch the whole scan, and no landmark of it is sure, but what a person gave.
+TEST(Verdict, LandmarksAreDoubtfulBesideProportionsOfNoHead) {
+  const auto confidences_beside = [](const char* warning) {
+    cases::CaseManifest m;
+    m.landmarks = {{"nasion", {0, -90, 0}, 0.9, "found"},
+                   {"inion", {0, 90, 0}, 1, "given"},
+                   {"bregma", {0, 0, 90}, 0.2, "found"},
+                   {"monro_left", {3, 0, 0}, 0.8, "found"},
+                   {"monro_right", {-3, 0, 0}, 0.8, "given"}};
+    m.targets = {{"monro_left", {3, 0, 0}, 0.8, "ventricles"}, {"monro_right", {-3, 0, 0}, 0.8, "ventricles"}};
+    publish::doubt_landmarks({{"no_such_kind", "", {}}, {warning, "", {}}}, m);
+    std::vector<double> all;
+    for (const cases::CaseLandmark& l : m.landmarks) all.push_back(l.confidence);
+    for (const cases::CaseTarget& t : m.targets) all.push_back(t.confidence);
+    return all;
+  };
+  EXPECT_EQ(confidences_beside("unusual_proportions"), (std::vector<double>{0.4, 1, 0.2, 0.4, 0.8, 0.4, 0.8}));
+  EXPECT_EQ(confidences_beside("ends_above"), (std::vector<double>{0.9, 1, 0.2, 0.8, 0.8, 0.8, 0.8}));
 }
 
 // A bleed is what a person reads first, and what it may have spoilt is doubtful.

@@ -192,6 +192,7 @@ void look_at_head(const Cells& c, ScanLook& out, const Progress& progress) {
 ScanLook look_at(const grid::HuVolume& volume, const std::string& position, const Progress& progress) {
   mask::check_finite(volume);
   ScanLook out;
+  out.blank = blank_slices(volume, progress);
   const Cells c = cells_of(volume, progress);
   if (!c.body.any()) return out;
   look_at_head(c, out, progress);
@@ -224,12 +225,20 @@ std::optional<ScanLook> look_at_ct(const grid::HuVolume& volume, const dicom::Im
 
 LookFigures figures_of(const ScanLook& look) {
   const std::string ends = joined(look.ends);
-  return {look.head, ends.empty() ? "nowhere" : ends};
+  LookFigures figures{look.head, ends.empty() ? "nowhere" : ends, {}};
+  if (look.blank) figures.blank_slices_count = look.blank->count;
+  return figures;
 }
 
 Warnings warnings_of(const ScanLook& look) {
   Warnings all;
   if (look.head == Seen::otherwise) all.push_back({"head_lies_otherwise", contradiction_of(look).text("import"), {}});
+  if (const auto& blank = look.blank)
+    all.push_back(
+        {"blank_slices",
+         "{slices_count} slices from z = {from_mm:.0f} to {to_mm:.0f} mm are copies of the one before, or of a "
+         "single value: what lies there was not measured; take the original series",
+         {{"slices_count", std::int64_t{blank->count}}, {"from_mm", blank->from_mm}, {"to_mm", blank->to_mm}}});
   for (const std::string& s : look.sayings) all.push_back({"seen", s, {}});
   return all;
 }

@@ -8,6 +8,7 @@
 #include "base/result.h"
 #include "dicom/import.h"
 #include "grid/grid.h"
+#include "look/blank_slices.h"
 
 namespace trephine::look {
 
@@ -24,8 +25,9 @@ struct ScanLook {
   /// In voxel axes, to which side of the patient each runs by the picture, where `head` is otherwise: as the slices are
   /// stored in the wrong order, and as the patient lay otherwise. Letters are L, R, P, A, S, I.
   std::string axes_if_mirrored, axes_if_turned;
-  std::string what_is_seen;          ///< "upside down: face and neck lie above the brain"; empty where nothing is wrong
-  std::vector<std::string> ends;     ///< "below 9,200 mm2": where the scan's sides cut the body
+  std::string what_is_seen;       ///< "upside down: face and neck lie above the brain"; empty where nothing is wrong
+  std::vector<std::string> ends;  ///< "below 9,200 mm2": where the scan's sides cut the body
+  std::optional<BlankSlices> blank;
   std::vector<std::string> sayings;  ///< whole sentences that a person should read; each is a warning
 };
 
@@ -37,6 +39,7 @@ struct ScanLook {
 ///   mirrored from left to right cannot be told: nothing in it says which side is which.
 /// - *Table.* A table or board is what stays alike along the patient over the whole scan. It lies below: where the
 ///   patient's position says another side, that is told.
+/// - *Blank slices.* look/blank_slices.h.
 /// - *Ends.* Where the body, without such a table, reaches the volume's sides, and how far the round field of view or
 ///   padding is its edge.
 ///
@@ -51,16 +54,19 @@ std::optional<ScanLook> look_at_ct(const grid::HuVolume& volume, const dicom::Im
 struct LookFigures {
   Seen head = Seen::unknown;
   std::string scan_cuts_body;
+  std::optional<std::int64_t> blank_slices_count;  ///< where there are some
   template <class V>
   static void describe(V& v) {
     v.choice(&LookFigures::head, "head_orientation",
              {{"unknown", Seen::unknown}, {"as said", Seen::as_said}, {"otherwise", Seen::otherwise}},
              "Whether the head lies as the scan says.");
     v.text(&LookFigures::scan_cuts_body, "scan_cuts_body", "Where the scan's sides cut the body.");
+    v.integer(&LookFigures::blank_slices_count, "blank_slices_count",
+              "Slices that are copies of the one before, or of a single value.");
   }
 };
 LookFigures figures_of(const ScanLook& look);
-/// One for each saying, and where the head lies otherwise than the scan says.
+/// One for each saying, one of blank slices, and where the head lies otherwise than the scan says.
 Warnings warnings_of(const ScanLook& look);
 
 /// Throws Error 65, field `orientation_reason`, where the head lies otherwise than said and no reason is given.

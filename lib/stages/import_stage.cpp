@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
 #include "base/error.h"
 #include "look/look.h"
 #include "stages/import.h"
@@ -9,13 +11,18 @@ namespace trephine::stages {
 StageType import_stage() {
   StageType s;
   s.name = "import";
-  s.version = 7;
+  s.version = 8;
   s.typical.base_s = 0.1;
   s.typical.per_million_voxels_s = 0.007;
   s.place = StagePlace::scene;
   s.summary = "reads a CT series from a DICOM folder or ZIP archive into a volume in HU";
   s.output = DataKind::volume;
   s.declares<ImportStageParams, ImportStageResult>();
+  s.contribute = [](const AnyParams& result, CaseParts& parts) {
+    const auto& seen = result_as<ImportStageResult>(result).seen;
+    if (seen && seen->blank_slices_count)
+      parts.evidence.push_back({"", "", fmt::format("{} slices were not measured", *seen->blank_slices_count)});
+  };
   s.run = [](const AnyParams& any, const StageInputs& in, const Progress& progress) {
     const auto& params = any.as<ImportStageParams>();
     dicom::ImportResult imported = dicom::import_series(params.input, params, progress.part(0, 0.9));
