@@ -165,13 +165,14 @@ double cut_by_sides_mm2(const mask::BitMask& mask) {
 void require_closed(const mask::BitMask& within, double inside_ml) {
   const double cm2 = cut_by_sides_mm2(within) / 100;
   if (cm2 < min_cut_cm2) return;
-  throw refusal("within",
-                fmt::format("{:.0f} cm2 of what it must lie inside of are cut by the sides of the field of view, and "
-                            "{:.0f} ml between lower_hu and upper_hu are left inside: what a field cuts open lies "
-                            "outside",
-                            cm2, inside_ml),
-                {"take a series whose field of view shows all of the body (`import --list` shows all), or leave it out "
-                 "of the scene; of a chest configs/ct_chest_bone.yaml makes skin and bone"});
+  throw refusal(
+      "within",
+      fmt::format("{:.0f} cm2 of what it must lie inside of are cut by the sides of the field of view, and "
+                  "{:.0f} ml between lower_hu and upper_hu are left inside: what a field cuts open lies "
+                  "outside",
+                  cm2, inside_ml),
+      {"take a series whose field of view shows all of the body (`import --list` shows all), or leave it out of the "
+       "scene"});
 }
 
 }  // namespace
