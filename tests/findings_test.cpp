@@ -106,6 +106,22 @@ TEST(Findings, ABleedIsSureBesideContrastMediumAndAVesselsRimIsNot) {
   for (const Finding& f : within.of(FindingKind::dense)) EXPECT_LT(f.confidence, 0.5) << f.text;
 }
 
+TEST(Findings, AirInsideTheSkullIsSaid) {
+  const auto air = [](Vec3 at) {
+    return Scene({}, phantom::Variant::normal, 2, 5,
+                 [&](Scene& scene, const phantom::Head&) {
+                   scene.brighten(at, {10, 10, 8}, -1030);
+                 })
+        .of(FindingKind::dark);
+  };
+  const auto said = air({-25, -30, 90});
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_NEAR(Scene::figure(said[0], "volume_ml"), 6.4, 2);
+  EXPECT_GE(said[0].confidence, findings::sure_confidence);
+  EXPECT_TRUE(concerns(said[0], "brain"));
+  EXPECT_NE(said[0].text.find("of air lie inside the skull"), std::string::npos);
+}
+
 TEST(Findings, AGapOfTheVaultIsMeasured) {
   phantom::HardParams hard;
   hard.craniectomy = true;

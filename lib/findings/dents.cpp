@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/parallel.h"
@@ -17,8 +18,9 @@ namespace {
 constexpr int rays = 16000;
 constexpr double inner_mm = 40, outer_mm = 125, step_mm = 0.4;  ///< from the middle of the head
 constexpr double ring_mm[2] = {11, 18};                         ///< what a ray is compared with
-constexpr int min_ring = 20;
-constexpr double min_depth_mm = 1.8, sure_depth_mm = 3;  ///< below the ring; a suture has up to 3
+constexpr std::size_t sectors = 8;
+constexpr int min_of_sector = 5;
+constexpr double min_depth_mm = 1.8, sure_depth_mm = 3;  ///< below the ring
 constexpr double max_thickness = 0.75;                   ///< of the ring's: a bump beside it makes no dent
 constexpr double min_cm2 = 0.3, most_cm2 = 3, round_ratio = 0.5;
 constexpr double slice_doubtful_mm = 6, slice_sure_mm = 3;
@@ -30,6 +32,24 @@ struct Ray {
   double inner = 0, outer = 0;  ///< of the bone, from the middle; 0: none, as in a gap
   double depth = 0;             ///< of the outer table below that of the ring
 };
+
+/// How far the outer table lies from the middle, in a sector of a ring.
+struct Level {
+  double sum = 0;
+  int count = 0;
+};
+
+/// How far the outer table lies below all lines across the ring: a groove does not lie below those along it, nor an
+/// edge below all. 0 where a part of the ring is not there.
+double depth_below(const std::array<Level, sectors>& ring, double outer) {
+  double least = 1e9;
+  for (std::size_t s = 0; s < sectors / 2; ++s) {
+    const Level &a = ring[s], &b = ring[s + sectors / 2];
+    if (std::min(a.count, b.count) < min_of_sector) return 0;
+    least = std::min(least, 0.5 * (a.sum / a.count + b.sum / b.count));
+  }
+  return std::max(0.0, least - outer);
+}
 
 Ray ray_along(const craniometry::FieldView& skull, Vec3 middle, Vec3 way) {
   Ray r{way};
@@ -64,7 +84,9 @@ std::vector<Seen> bone_dents(const Inside& in, const grid::Field& skull, const g
     for (std::int64_t n = from; n < to; ++n) {
       Ray& ray = all[std::size_t(n)];
       if (ray.outer == 0) continue;
-      double level = 0;
+      const Vec3 east = normalized(cross(ray.way, std::abs(ray.way.z) < 0.9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0})),
+                 north = cross(ray.way, east);
+      std::array<Level, sectors> ring;
       std::vector<float> thickness;
       bool open = false;
       for (const Ray& other : all) {
@@ -72,11 +94,13 @@ std::vector<Seen> bone_dents(const Inside& in, const grid::Field& skull, const g
         if (mm > ring_mm[1]) continue;
         if (other.outer == 0) open = true;
         if (mm < ring_mm[0] || other.outer == 0) continue;
-        level += other.outer;
+        const double turn = std::atan2(dot(other.way, north), dot(other.way, east)) / (2 * pi) + 1;
+        Level& level = ring[std::size_t(turn * sectors) % sectors];
+        level.sum += other.outer, ++level.count;
         thickness.push_back(float(other.outer - other.inner));
       }
-      if (open || int(thickness.size()) < min_ring) continue;  // a gap is told as one
-      ray.depth = level / double(thickness.size()) - ray.outer;
+      if (open) continue;  // a gap is told as one
+      ray.depth = depth_below(ring, ray.outer);
       dented[std::size_t(n)] =
           ray.depth > min_depth_mm && ray.outer - ray.inner < max_thickness * mask::median(thickness, 0);
     }

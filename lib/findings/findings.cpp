@@ -140,6 +140,7 @@ Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes
     for (Seen& s : more) all.push_back(std::move(s));
   };
   append(dark_tissue(in, params, progress.part(0.6, 0.7)));
+  append(air_inside(in));
   append(of_figures(shapes, params, progress.part(0.7, 0.8)));
   append(bone_gaps(in, volume, *shapes.skull, params));
   append(bone_dents(in, *shapes.skull, l));

@@ -130,6 +130,8 @@ using Findings = Outcome<grid::LabelFile, FindingsResult>;
 ///   from slice to slice more than elsewhere in the scan, as streaks do.
 /// - dark: tissue of the brain, not thinner than 7 mm, that is darker than white matter, away from ventricles, cisterns
 ///   and fissures.
+///   So is air of 1 ml and more inside the skull (without a mean_hu), where the template lies surely: deep in the head,
+///   or at its vault. At the base and in front it may be a sinus.
 /// - shift: of the midline at the foramina of Monro; doubtful where the ventricles cannot be whole and no septum is
 /// seen; wide_ventricles: by Evans' index (head/head_figures.h).
 /// - bone_gap: rays from the brain through the vault that meet no bone before they leave the skin; the area at

@@ -26,10 +26,11 @@ struct Inside {
   grid::Grid<float> depth_mm;  ///< of a cell of `all` below its surface
   grid::Grid<float> tissue;    ///< HU, smoothed, brain at 30; -1000 where there is bone, air or something dense
   mask::BitMask dense;         ///< cells with something denser than soft tissue that is no bone of the skull
-  mask::BitMask vessels;       ///< what is as bright as vessels with contrast medium, away from bone
-  double contrast_ml = 0;      ///< of it
-  double noise_hu = 0;         ///< of `tissue`
-  bool noise_known = false;    ///< there is tissue to measure it in; else noise_hu is 0
+  mask::BitMask air;
+  mask::BitMask vessels;     ///< what is as bright as vessels with contrast medium, away from bone
+  double contrast_ml = 0;    ///< of it
+  double noise_hu = 0;       ///< of `tissue`
+  bool noise_known = false;  ///< there is tissue to measure it in; else noise_hu is 0
   place::HeadPlace place;
 
   const grid::Lattice& cells() const { return raster.cells; }
@@ -55,6 +56,8 @@ struct Seen {
 std::vector<Seen> dense_tissue(const Inside& in, const std::vector<Seen>& implants, const FindingsParams& params,
                                const Progress& progress);
 std::vector<Seen> dark_tissue(const Inside& in, const FindingsParams& params, const Progress& progress);
+/// Air inside the skull, away from its base.
+std::vector<Seen> air_inside(const Inside& in);
 std::vector<Seen> bone_gaps(const Inside& in, const grid::HuVolume& volume, const grid::Field& skull,
                             const FindingsParams& params);
 /// Where the vault's outer table is dented over a round place, and the bone is thin there, but closed.

@@ -18,6 +18,7 @@ constexpr double cell_mm = 1.5, smooth_mm = 1.2;
 constexpr double envelope_mm = 8;                ///< by which the brain's sulci are closed
 constexpr double bone_blur_mm = 1.5;             ///< HU this near to bone are not reliable
 constexpr float soft_from = -30, soft_to = 120;  ///< HU of tissue, fluid and blood
+constexpr float air_hu = -300;
 constexpr float vessel_from = 130, vessel_to = 500;
 constexpr double dense_blur_mm = 2;
 constexpr double noise_depth_mm = 6;  ///< below the edge of tissue, where tissue_noise() measures
@@ -62,6 +63,7 @@ Inside inside_of(const grid::HuVolume& volume, const FindingShapes& shapes, cons
   // In thick slices what bone shows of itself in the slice above or below is no vessel.
   const double thick_mm = 1.05 * std::max({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z});
   const mask::BitMask soft = within(soft_from, soft_to);
+  in.air = mask::coarse_mask(within(-1e6f, air_hu), in.raster, 0.5);
   in.dense = mask::coarse_mask(within(soft_to, 1e6f), in.raster, 0.3);
   in.dense.remove(mask::dilated(in.skull, std::max(1.5 * bone_blur_mm, thick_mm), progress));
   in.vessels = mask::coarse_mask(within(vessel_from, vessel_to), in.raster, 0.5);

@@ -27,6 +27,8 @@ constexpr double max_doubtful = 0.42;
 /// With contrast medium: about a vessel lies a rim that is as dense as blood, and what takes up medium is no larger
 /// than a bleed that need not be told first.
 constexpr double vessel_rim_mm = 5, most_at_vessels = 0.1, least_beside_medium_ml = 3, sure_beside_medium_ml = 9;
+/// Air at the base is that of sinuses and bone cells whose walls the scan does not show; frontal sinuses reach higher.
+constexpr double min_air_ml = 1, above_base_mm = 16, above_sinuses_mm = 45, off_sinuses_mm = 12;
 constexpr double dark_core_mm = 3.5, dark_smooth_mm = 1.5;
 constexpr double off_ventricles_mm = 4, off_surface_mm = 6, off_cistern_mm = 5;
 
@@ -260,6 +262,32 @@ std::vector<Seen> dark_tissue(const Inside& in, const FindingsParams& p, const P
     s.finding.concerns = {"brain"};
     s.finding.figures = {{"volume_ml", ml}, {"longest_mm", e.longest_mm()}, {"mean_hu", hu}};
     s.finding.text = fmt::format("{} of the brain are dark ({:.0f} HU, where brain has 30)", ml_text(ml), hu);
+    s.cells = std::move(piece);
+    all.push_back(std::move(s));
+  }
+  return all;
+}
+
+std::vector<Seen> air_inside(const Inside& in) {
+  if (!in.place.sure) return {};
+  const mask::BitMask off_base = mask::make_mask(in.cells(), [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < in.cells().size[0]; ++i) {
+      const double deep = in.depth_mm.at(i, j, k), up = in.place.to_template(in.lps(i, j, k)).z;
+      row[i] = in.air.get(i, j, k) && up > (deep > off_sinuses_mm ? above_base_mm : above_sinuses_mm);
+    }
+  });
+  std::vector<Seen> all;
+  for (mask::BitMask& piece : pieces_of(off_base, min_air_ml)) {
+    const Extent e = extent_of(points_of(in, piece));
+    const double ml = e.count * in.cell_ml();
+    Seen s;
+    s.finding.kind = FindingKind::dark;
+    s.finding.where = "inside the skull";
+    s.finding.position_mm = e.middle_mm;
+    s.finding.confidence = 0.9 * mask::ramp(ml, 0, 2 * min_air_ml);
+    s.finding.concerns = {"brain"};
+    s.finding.figures = {{"volume_ml", ml}, {"longest_mm", e.longest_mm()}};
+    s.finding.text = fmt::format("{} of air lie inside the skull", ml_text(ml));
     s.cells = std::move(piece);
     all.push_back(std::move(s));
   }
