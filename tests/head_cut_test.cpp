@@ -82,6 +82,20 @@ TEST(HeadCut, SlicesAtAWrongDistanceMakeAHeadOfUnusualProportions) {
   EXPECT_TRUE(warned(1.7));
 }
 
+TEST(HeadCut, RowsOrColumnsAtAWrongDistanceMakeOneToo) {
+  const auto warned = [](int axis, double stretch) {
+    grid::HuVolume volume = whole();
+    std::visit([&](auto& g) { g.spacing_mm[axis] *= stretch; }, volume);
+    int count = 0;
+    for (const Warning& w : head::head_region(volume, {}).warnings) count += w.id == "unusual_proportions";
+    return count;
+  };
+  EXPECT_EQ(warned(0, 0.95), 0);
+  EXPECT_EQ(warned(1, 0.95), 0);
+  EXPECT_EQ(warned(0, 0.7), 1) << "columns";
+  EXPECT_EQ(warned(1, 0.7), 1) << "rows";
+}
+
 TEST(HeadCut, HalfAHeadHasNoZones) {
   const grid::HuVolume half = cut_at(60);
   const auto cavity = place::cranial_cavity(place::bone_of(mask::HuView(half)), {});

@@ -21,6 +21,7 @@ constexpr double ring_mm[2] = {11, 18};                         ///< what a ray 
 constexpr std::size_t sectors = 8;
 constexpr int min_of_sector = 5;
 constexpr double min_depth_mm = 1.8, sure_depth_mm = 3;  ///< below the ring
+constexpr double most_depth_mm = 10;                     ///< no bone of the vault is thicker
 constexpr double max_thickness = 0.75;                   ///< of the ring's: a bump beside it makes no dent
 constexpr double min_cm2 = 0.3, most_cm2 = 3, round_ratio = 0.5;
 constexpr double slice_doubtful_mm = 6, slice_sure_mm = 3;
@@ -101,8 +102,8 @@ std::vector<Seen> bone_dents(const Inside& in, const grid::Field& skull, const g
       }
       if (open) continue;  // a gap is told as one
       ray.depth = depth_below(ring, ray.outer);
-      dented[std::size_t(n)] =
-          ray.depth > min_depth_mm && ray.outer - ray.inner < max_thickness * mask::median(thickness, 0);
+      dented[std::size_t(n)] = ray.depth > min_depth_mm && ray.depth < most_depth_mm &&
+                               ray.outer - ray.inner < max_thickness * mask::median(thickness, 0);
     }
   });
   const double near_mm = 2.2 * 75 * std::sqrt(4 * pi / rays);

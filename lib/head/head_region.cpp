@@ -28,6 +28,7 @@ constexpr int block_cells = 4;
 constexpr double cut_cavity_mm2 = 300;  ///< of the cavity at the top or bottom slice
 constexpr double open_mm = 16;
 constexpr int open_cells = int(open_mm / coarse_mm);
+constexpr double usual_length_ratio[2] = {0.95, 1.5};  ///< seven given heads 1.07 to 1.32
 constexpr double usual_height_ratio[2] = {0.72, 1.5};  ///< six given heads 0.90 to 1.10, phantoms 1.03 to 1.08
 
 /// The volume's axis nearest to the patient's superior direction, and whether its indices ascend with it.
@@ -142,9 +143,13 @@ void add_padded(const mask::HuView& hu, const mask::CoarseRaster& raster, const 
   }
 }
 
-/// How high the cavity is, by how wide, by its moments. A nod adds of its length to its height: a usual head that looks
-/// straight up has 1.25, a long narrow one 1.4.
-double height_to_width(const mask::BitMask& cavity) {
+/// How high and how long the cavity is, by how wide, by its moments. A nod adds of its length to its height: a usual
+/// head that looks straight up has 1.25, a long narrow one 1.4. Its length is along the axis of its section that is
+/// nearer to the patient's front.
+struct Proportions {
+  double height_ratio = 0, length_ratio = 0;
+};
+Proportions proportions_of(const mask::BitMask& cavity) {
   const grid::Lattice& l = cavity.lattice();
   const Vec3 centre = cavity.centre_mm();
   double xx = 0, xy = 0, yy = 0, zz = 0;
@@ -155,8 +160,10 @@ double height_to_width(const mask::BitMask& cavity) {
         const Vec3 p = l.to_world_mm({double(i), double(j), double(k)}) - centre;
         xx += p.x * p.x, xy += p.x * p.y, yy += p.y * p.y, zz += p.z * p.z;
       }
-  const double narrow = 0.5 * (xx + yy) - std::hypot(0.5 * (xx - yy), xy);  // of the axes of its section
-  return narrow > 0 ? std::sqrt(zz / narrow) : 0;
+  const double middle = 0.5 * (xx + yy), apart = std::hypot(0.5 * (xx - yy), xy);
+  const double narrow = middle - apart, wide = middle + apart;  // of the axes of its section
+  if (!(narrow > 0)) return {};
+  return {std::sqrt(zz / narrow), std::sqrt(yy >= xx ? wide / narrow : narrow / wide)};
 }
 
 }  // namespace
@@ -262,8 +269,16 @@ Outcome<grid::HuVolume, HeadRegionResult> head_region(const grid::HuVolume& volu
     }
   result.cut = cuts.in_words();
   if (!cuts.any_of("brain")) {
-    const double ratio = height_to_width(cavity);
+    const auto [ratio, length_ratio] = proportions_of(cavity);
     result.cavity_height_ratio = ratio;
+    result.cavity_length_ratio = length_ratio;
+    if (length_ratio < usual_length_ratio[0] || length_ratio > usual_length_ratio[1])
+      warnings.push_back(
+          {"unusual_proportions",
+           "the cranial cavity is {length_ratio:.2f} times as long as wide, where heads have 1.1 to 1.4: "
+           "the distance of rows or columns may be wrong, or the skull is of an unusual shape; compare it with the "
+           "scan's protocol",
+           {{"length_ratio", length_ratio}}});
     if (ratio < usual_height_ratio[0] || ratio > usual_height_ratio[1])
       warnings.push_back(
           {"unusual_proportions",

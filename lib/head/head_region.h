@@ -28,7 +28,7 @@ struct HeadRegionResult {
   /// Of each shape of a head that the scan's end or the field's edge cuts, where: "above", "below", "on its left side",
   /// "above and on its left and back side".
   Named<std::string> cut;
-  std::optional<double> cavity_height_ratio;  ///< to its width; not of a cavity that is cut
+  std::optional<double> cavity_height_ratio, cavity_length_ratio;  ///< to its width; not of a cavity that is cut
   std::optional<double> region_ml;
   std::optional<bool> neck_cut;
   template <class V>
@@ -39,6 +39,8 @@ struct HeadRegionResult {
     v.map(&P::cut, "cut", "Where the scan cuts a shape, by its name.").items_between("", "_cut").not_always();
     v.number(&P::cavity_height_ratio, "cavity_height_ratio",
              "The cranial cavity's height to its width, by its moments.");
+    v.number(&P::cavity_length_ratio, "cavity_length_ratio",
+             "The cranial cavity's length to its width, by its moments.");
     v.number(&P::region_ml, "region_ml", "Volume of the region.");
     v.flag(&P::neck_cut, "neck_cut", "Whether it is cut through the neck.");
   }
@@ -54,7 +56,8 @@ struct HeadRegionResult {
 /// reaches it), or a side of the head that the field of view cuts by more than 150 mm2, be it the volume's side or
 /// padding (mask/field_edge.h), above the foramen magnum. Brain and dura are cut there, too, where the cavity, followed
 /// by 16 mm to the field's edge as far as no bone lies between, has 300 mm2 at it. A cavity
-/// that is not cut and is flatter or taller than heads are is said, as of slices whose distance is wrong. Where no
+/// that is not cut and is flatter, taller, longer or wider than heads are is said, as of slices, rows or columns whose
+/// distance is wrong. Where no
 /// space enclosed by bone is found, the volume stays as it is and a warning says so. Throws Error 65 where a voxel is
 /// not finite; Cancelled. The result has the same bits whatever the thread count.
 Outcome<grid::HuVolume, HeadRegionResult> head_region(const grid::HuVolume& volume, const HeadRegionParams& params,
