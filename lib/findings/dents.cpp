@@ -90,9 +90,10 @@ std::vector<Seen> bone_dents(const Inside& in, const grid::Field& skull, const g
       std::array<Level, sectors> ring;
       std::vector<float> thickness;
       bool open = false;
+      const double least_cosine = std::cos(ring_mm[1] / ray.outer);
       for (const Ray& other : all) {
+        if (dot(ray.way, other.way) < least_cosine) continue;
         const double mm = apart_mm(ray, other, ray.outer);
-        if (mm > ring_mm[1]) continue;
         if (other.outer == 0) open = true;
         if (mm < ring_mm[0] || other.outer == 0) continue;
         const double turn = std::atan2(dot(other.way, north), dot(other.way, east)) / (2 * pi) + 1;
