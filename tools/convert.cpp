@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "cli/argument.h"
 #include "cli/command.h"
 #include "grid/bounded_read.h"
@@ -12,12 +13,6 @@
 
 namespace trephine::tools {
 namespace {
-
-std::string endings_text() {
-  std::string text;
-  for (const std::string& e : itk::written_volume_endings()) text += (text.empty() ? "" : ", ") + e;
-  return text;
-}
 
 const char* sample_name(const grid::AnyGrid& grid) {
   constexpr const char* names[] = {"int16", "float32", "uint8"};
@@ -71,7 +66,8 @@ const cli::OwnCommand convert_command([] {
                 "trephine convert painted.mha --output painted.nii.gz",
                 "trephine convert old.hdr --analyze-axes LAS --output old.nii.gz"};
   cli::Argument input = cli::argument("input", Kind::in_file, "The volume.");
-  cli::Argument output = cli::argument("output", Kind::out_file, "Where it goes (" + endings_text() + ").");
+  cli::Argument output =
+      cli::argument("output", Kind::out_file, "Where it goes (" + joined(itk::written_volume_endings()) + ").");
   input.positional = input.required = output.required = true;
   cli::Argument axes =
       cli::argument("analyze_axes", Kind::text,

@@ -5,6 +5,7 @@
 
 #include "ambf/adf.h"
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/log.h"
 #include "base/text.h"
 #include "base/write_file.h"
@@ -204,15 +205,14 @@ void check_combination(const cli::ParsedCommand& parsed, const Formats& formats)
   const auto& params = parsed.params<ExportParams>();
   if (!params.name.empty()) check_export_name("--name", params.name);
   if (formats.labels.empty() == parsed.has("labels")) {
-    std::vector<std::string> names;
-    for (const meshio::LabelFormat& f : meshio::all_label_formats()) names.emplace_back(f.name);
-    export_usage("--labels", "and --format " + with_commas(names) + " belong together");
+    const std::string names = joined(meshio::all_label_formats(), ", ", &meshio::LabelFormat::name);
+    export_usage("--labels", "and --format " + names + " belong together");
   }
   check_dicom(parsed, formats.dicom);
   if ((formats.markups || formats.scenes.any() || formats.print) &&
       (!parsed.has("input") || !fs::is_directory(parsed.path("input"))))
     export_usage("INPUT", std::string("must be a case's folder for ") + markups_format + ", " + print_format + " and " +
-                              with_commas(scene_format_names()));
+                              joined(scene_format_names()));
   if ((!formats.surfaces.empty() || formats.solids.any()) && !parsed.has("input"))
     export_usage("INPUT", "is needed for surfaces: a case or a file");
   if (params.together)
@@ -309,7 +309,7 @@ std::string formats_text() {
   const auto in_metres = [](const meshio::ExportFormat& f) { return f.metres_y_up; };
   const auto rounds = [](const meshio::ExportFormat& f) { return f.precision == meshio::Precision::float32_world; };
   const auto colourless = [](const meshio::ExportFormat& f) { return !f.read_back.colour; };
-  std::string text = with_commas(formats) + ". Coordinates are DICOM patient LPS in mm, which " +
+  std::string text = joined(formats) + ". Coordinates are DICOM patient LPS in mm, which " +
                      meshio::format_names(says_space) + " say as 3D Slicer reads it (SPACE=LPS); " +
                      meshio::format_names(in_metres) + " is in metres, Y up. " + meshio::format_names(rounds) +
                      " hold float32, " + meshio::format_names(colourless) +
@@ -358,7 +358,7 @@ const cli::OwnCommand export_command([] {
   cli::Argument input = argument("input", cli::Argument::Kind::in_path, "A case's folder, or a surface file.");
   input.positional = true;
   cli::Argument format = argument("format", cli::Argument::Kind::text,
-                                  "Formats, with commas between them: " + with_commas(format_choices()) + ".");
+                                  "Formats, with commas between them: " + joined(format_choices()) + ".");
   format.required = format.repeated = true;
   const cli::Argument out = cli::required_argument("out", cli::Argument::Kind::out_folder,
                                                    "Folder for the files; files of the same name are replaced.");

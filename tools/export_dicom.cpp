@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/write_file.h"
 #include "case_shapes.h"
 #include "cases/load_case.h"
@@ -136,12 +137,12 @@ const char* dicom_formats_help =
 void check_dicom(const cli::ParsedCommand& parsed, const DicomFormats& formats) {
   const bool source_uids = parsed.params<DicomParams>().source_uids;
   if (!formats.any()) {
-    if (parsed.has("series")) export_usage("--series", "is for " + with_commas(dicom_format_names()));
+    if (parsed.has("series")) export_usage("--series", "is for " + joined(dicom_format_names()));
     if (source_uids) export_usage("--source-uids", "is for dicom-seg and dicom-rtss");
     return;
   }
   if (!parsed.has("input") || !fs::is_directory(parsed.path("input")))
-    export_usage("INPUT", "must be a case's folder for " + with_commas(dicom_format_names()));
+    export_usage("INPUT", "must be a case's folder for " + joined(dicom_format_names()));
   if (formats.on_slices() && !parsed.has("series"))
     export_usage("--series",
                  "is needed for dicom-seg and dicom-rtss: the folder of the scan that the case was made of, "

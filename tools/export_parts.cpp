@@ -2,16 +2,11 @@
 #include "export_parts.h"
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/text.h"
 #include "grid/bounded_read.h"
 
 namespace trephine::tools {
-
-std::string with_commas(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
 
 std::vector<std::string> items_of(const cli::ParsedCommand& parsed, const std::string& argument) {
   std::vector<std::string> items;
@@ -28,8 +23,7 @@ void export_usage(const std::string& field, const std::string& what) { throw Err
 
 void unknown_name(const std::string& field, const std::string& name, const std::vector<std::string>& known) {
   const std::string near = nearest_name(name, known);
-  export_usage(field,
-               name + (near.empty() ? ": must be one of " + with_commas(known) : ": did you mean " + near + "?"));
+  export_usage(field, name + (near.empty() ? ": must be one of " + joined(known) : ": did you mean " + near + "?"));
 }
 
 void check_export_name(const std::string& field, const std::string& name) {

@@ -17,7 +17,6 @@ namespace trephine::tools {
 
 /// Reads "a,b", given once or more.
 std::vector<std::string> items_of(const cli::ParsedCommand& parsed, const std::string& argument);
-std::string with_commas(const std::vector<std::string>& words);
 
 /// Throw Error 64: a wrong use of a flag; a name that is none of those known; a name that cannot be a file's.
 [[noreturn]] void export_usage(const std::string& field, const std::string& what);

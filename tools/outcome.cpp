@@ -4,7 +4,9 @@
 #include <iostream>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/log.h"
+#include "base/text.h"
 #include "base/warning.h"
 #include "base/write_file.h"
 #include "cases/load_hashed.h"
@@ -43,12 +45,6 @@ struct ScanChoice {
 };
 
 std::string at_text(Vec3 p) { return fmt::format("{:.1f}, {:.1f}, {:.1f}", p.x, p.y, p.z); }
-
-std::string joined(const std::vector<std::string>& words) {
-  std::string all;
-  for (const std::string& w : words) all += (all.empty() ? "" : ", ") + w;
-  return all;
-}
 
 std::string sighting_text(lesson::Sighting s, const std::vector<std::string>& doubts) {
   return lesson::to_text(s) + (doubts.empty() ? std::string() : " (" + joined(doubts) + ")");

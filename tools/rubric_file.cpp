@@ -3,6 +3,7 @@
 
 #include <map>
 
+#include "base/joined.h"
 #include "base/text.h"
 #include "config/declared.h"
 #include "lessons/rubric_types.h"
@@ -27,11 +28,9 @@ ParameterSet file_set(const lesson::RubricType& type) {
   return set;
 }
 
-const lesson::RubricType* find_type(const config::YamlNode& module, std::string& known) {
-  for (const lesson::RubricType& t : lessons::rubric_types()) {
+const lesson::RubricType* find_type(const config::YamlNode& module) {
+  for (const lesson::RubricType& t : lessons::rubric_types())
     if (t.module == module.text) return &t;
-    known += (known.empty() ? "" : ", ") + t.module;
-  }
   return nullptr;
 }
 
@@ -53,10 +52,11 @@ AnyParams read_rubric_yaml(const std::filesystem::path& file) {
   const lesson::RubricType* type = &lessons::rubric_types().front();  // where the file names none, that is its fault
   const config::YamlNode* module = tree.kind == config::YamlNode::Kind::map ? tree.find("module") : nullptr;
   if (module && module->kind == config::YamlNode::Kind::scalar) {
-    std::string known;
-    type = find_type(*module, known);
+    type = find_type(*module);
     if (!type) {
-      faults.add(file, *module, "module", printable(module->text) + ", no such lesson; known are " + known);
+      faults.add(file, *module, "module",
+                 printable(module->text) + ", no such lesson; known are " +
+                     joined(lessons::rubric_types(), ", ", &lesson::RubricType::module));
       faults.raise();
     }
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "base/joined.h"
 #include "base/log.h"
 #include "base/text.h"
 #include "config/config_root.h"
@@ -264,9 +265,7 @@ class Reader {
       }
     if (r_.out.anatomies.empty()) return;  // nothing is known of the recipe, which has been reported
     if (fronts.empty() && !trade.stale.empty()) {
-      std::string all;
-      for (const std::string& why : trade.stale) all += (all.empty() ? "" : "; ") + why;
-      return fault("trade", "trade", "holds no front of this recipe: " + all);
+      return fault("trade", "trade", "holds no front of this recipe: " + joined(trade.stale, "; "));
     }
     trade.rule = asked;
     trade.fronts = files;

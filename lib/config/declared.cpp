@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/joined.h"
 #include "base/text.h"
 
 namespace trephine::config {
@@ -59,16 +60,13 @@ class Reader {
     return node.kind == Kind::scalar && !node.text.empty() ? node.text + ", " : "";
   }
   static std::string keys_of(const ParameterSet& set) {
-    std::string all;
-    for (const std::string& name : set.names()) all += (all.empty() ? "" : ": ..., ") + name;
+    const std::string all = joined(set.names(), ": ..., ");
     return all.empty() || all.size() > 60 ? "" : ": {" + all + ": ...}";
   }
   static std::string unknown(const std::string& key, const ParameterSet& set) {
     const std::vector<std::string> known = set.names();
-    std::string all;
-    for (const std::string& k : known) all += (all.empty() ? "" : ", ") + k;
     const std::string near = nearest_name(key, known);
-    return "unknown key, " + (near.empty() ? "known are " + all : "did you mean " + near + "?");
+    return "unknown key, " + (near.empty() ? "known are " + joined(known) : "did you mean " + near + "?");
   }
 
   void fault(const YamlNode& at, const std::string& where, const std::string& what) {
@@ -173,11 +171,7 @@ class Reader {
 };
 
 // A list as the text that --set takes.
-std::string list_text(const YamlNode& value) {
-  std::string text;
-  for (const YamlNode& item : value.items) text += (text.empty() ? "" : ", ") + item.text;
-  return "[" + text + "]";
-}
+std::string list_text(const YamlNode& value) { return "[" + joined(value.items, ", ", &YamlNode::text) + "]"; }
 
 bool is_list_of_scalars(const YamlNode& value) {
   return value.kind == Kind::list && std::all_of(value.items.begin(), value.items.end(),

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/joined.h"
 #include "base/text.h"
 #include "config/parse_yaml.h"
 
@@ -13,11 +14,7 @@ namespace {
 using Kind = YamlNode::Kind;
 using Path = std::vector<std::string>;
 
-std::string told(const Path& path) {
-  std::string all;
-  for (const std::string& part : path) all += (all.empty() ? "" : ".") + part;
-  return printable(all);
-}
+std::string told(const Path& path) { return printable(joined(path, ".")); }
 
 /// The child of a map or list by its key or number; null where there is none.
 YamlNode* child_of(YamlNode& node, const std::string& part) {
@@ -309,19 +306,11 @@ std::string yaml_scalar(const std::string& text) {
                        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
                               c == '-' || c == '.' || c == '/';
                      });
-  if (plain) return text;
-  std::string out = "\"";
-  for (const char c : printable(text)) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + "\"";
+  return plain ? text : in_quotes(text);
 }
 
 std::string yaml_list(const std::vector<double>& numbers) {
-  std::string out;
-  for (const double number : numbers) out += (out.empty() ? "[" : ", ") + to_text(number);
-  return out.empty() ? "[]" : out + "]";
+  return "[" + joined(numbers, ", ", [](double number) { return to_text(number); }) + "]";
 }
 
 }  // namespace trephine::config

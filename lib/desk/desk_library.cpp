@@ -5,6 +5,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/error_text.h"
 #include "base/progress.h"
 #include "config/config_root.h"
 #include "config/yaml_document.h"
@@ -13,8 +14,6 @@
 namespace trephine::desk {
 namespace fs = std::filesystem;
 namespace {
-
-std::string text_of(const Error& e) { return e.line("").substr(2); }
 
 /// Where LIBRARY.yaml lists cases and phantoms, by their names.
 std::map<std::string, std::vector<std::string>> places_of(const config::YamlNode& file) {
@@ -71,7 +70,7 @@ std::vector<DeskCase> DeskLibrary::plan() {
     one.entry = c.entry;
     one.series = c.series;
     one.reasons = c.reasons;
-    if (c.fault) one.fault = text_of(*c.fault);
+    if (c.fault) one.fault = error_text(*c.fault);
     const auto place = places.find(c.token);
     const config::YamlNode* item = nullptr;
     if (place != places.end()) {

@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/joined.h"
 #include "base/text.h"
 #include "base/write_file.h"
 #include "desk/draft.h"
@@ -170,10 +171,7 @@ std::string yaml_of_json(const nlohmann::json& json) {
   }
   if (json.is_boolean()) return json.get<bool>() ? "true" : "false";
   if (json.is_string()) return config::yaml_scalar(json.get<std::string>());
-  if (json.is_array()) {
-    for (const auto& item : json) out += (out.empty() ? "" : ", ") + yaml_of_json(item);
-    return "[" + out + "]";
-  }
+  if (json.is_array()) return "[" + joined(json, ", ", yaml_of_json) + "]";
   if (json.is_object()) {
     for (const auto& [key, value] : json.items())
       out += (out.empty() ? "" : ", ") + config::yaml_scalar(key) + ": " + yaml_of_json(value);

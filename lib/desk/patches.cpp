@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/joined.h"
 #include "base/text.h"
 #include "base/write_file.h"
 #include "config/config_root.h"
@@ -160,8 +161,7 @@ void require_unchanged(const DeskCase& one, const Said& said) {
 
 std::string in_words(const std::string& name, const AnyParams& params) {
   const auto place = [](const std::array<double, 3>& v) {
-    std::string text;
-    for (const double x : v) text += (text.empty() ? "" : ", ") + to_text(double(std::llround(x * 10)) / 10);
+    const std::string text = joined(v, ", ", [](const double x) { return to_text(double(std::llround(x * 10)) / 10); });
     return "(" + text + ") mm";
   };
   if (name == "snake") {

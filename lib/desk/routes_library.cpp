@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/base64.h"
+#include "base/error_text.h"
 #include "base/file_descriptor.h"
 #include "base/hash.h"
 #include "base/open_beneath.h"
@@ -107,7 +108,7 @@ Reply library_cases(DeskState& desk, const Request&) {
         require_no_links(desk.library.options(), tokens[i]);
         rows[i] = library::read_row(folder, tokens[i]);
       } catch (const Error& e) {
-        rows[i].fault = e.line("").substr(2);
+        rows[i].fault = error_text(e);
       }
   });
   for (const library::CaseRow& row : rows) out["cases"].push_back(json_of(folder, row));

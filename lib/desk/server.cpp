@@ -19,6 +19,8 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/error_text.h"
+#include "base/joined.h"
 #include "base/progress.h"
 #include "desk/connection.h"
 
@@ -68,10 +70,8 @@ Reply reply_of_exception() {
   } catch (const Error& e) {
     reply.status = e.code() == ExitCode::no_input ? 404 : e.code() == ExitCode::busy ? 409 : 422;
     const auto* list = dynamic_cast<const ErrorList*>(&e);
-    std::string text;
-    for (const Error& one : list ? list->all() : std::vector<Error>{e})
-      text += (text.empty() ? "" : "\n") + one.line("").substr(2);  // without a program's name
-    json = {{"error", text}, {"code", static_cast<int>(e.code())}};
+    const auto text = [](const Error& one) { return error_text(one); };
+    json = {{"error", list ? joined(list->all(), "\n", text) : error_text(e)}, {"code", static_cast<int>(e.code())}};
   } catch (const Cancelled&) {
     reply.status = 503;
     json = {{"error", "stopped"}, {"code", static_cast<int>(ExitCode::cancelled)}};

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "base/joined.h"
 #include "base/text.h"
 
 namespace trephine::library {
@@ -70,8 +71,7 @@ class JobMaker {
       if (const bool* flag = std::get_if<bool>(&value)) {
         out.push_back((*flag ? "--" : "--no-") + name);
       } else if (const auto* numbers = std::get_if<std::vector<double>>(&value)) {
-        std::string text;
-        for (const double n : *numbers) text += (text.empty() ? "" : ",") + to_text(n);
+        const std::string text = joined(*numbers, ",", [](const double n) { return to_text(n); });
         out.push_back("--" + name + "=" + text);
       } else if (const auto* text = std::get_if<std::string>(&value)) {
         out.push_back("--" + name + "=" + *text);

@@ -9,10 +9,12 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "base/text_table.h"
 #include "base/write_file.h"
+#include "stages/warning_kind.h"
 
 namespace trephine::library {
 namespace fs = std::filesystem;
@@ -61,7 +63,8 @@ void read_run(const fs::path& file, CaseRow& row) {
     const std::vector<char> bytes = read_file(file, max_bytes);
     const Json json = Json::parse(bytes.begin(), bytes.end());
     for (const auto& w : json.at("warnings")) row.warnings.push_back(printable(w.get<std::string>()));
-    for (const Json& severity : json.value("severities", Json::array())) row.wrong_count += severity == "wrong";
+    for (const Json& severity : json.value("severities", Json::array()))
+      row.wrong_count += severity == stages::to_text(stages::Severity::wrong);
     row.seconds = json.at("wall_s").get<double>();
     row.peak_memory_mb = json.value("peak_memory_mb", 0.0);
     const Json stages = json.value("stages", Json::object());
@@ -155,9 +158,8 @@ void each_case(const fs::path& library, const LibraryFilter& filter, const std::
 }
 
 std::string concessions_text(const CaseRow& row) {
-  std::string text;
-  for (const cases::CaseStandIn& s : row.manifest.stand_ins)
-    text += (text.empty() ? "" : ", ") + s.by + " stands for " + s.anatomy;
+  std::string text = joined(row.manifest.stand_ins, ", ",
+                            [](const cases::CaseStandIn& s) { return s.by + " stands for " + s.anatomy; });
   for (const cases::CaseMissing& m : row.manifest.missing)
     text += (text.empty() ? "" : ", ") + m.anatomy + " is left out";
   return text;

@@ -18,7 +18,9 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/error_text.h"
 #include "base/file_descriptor.h"
+#include "base/joined.h"
 #include "base/memory_kills.h"
 #include "base/progress.h"
 #include "base/spawn.h"
@@ -120,8 +122,7 @@ std::string clean_log(const fs::path& log, const fs::path& series) {
 // The errors with which the command ended; the last line of its log where it died without any.
 // Both without the series' path, which may hold a patient's name.
 std::string reason_of(const json::JobStatus& status, const std::string& log, const fs::path& series) {
-  std::string reason;
-  for (const std::string& error : status.errors) reason += (reason.empty() ? "" : "; ") + error;
+  std::string reason = joined(status.errors, "; ");
   if (reason.empty()) {
     std::istringstream lines(log);
     for (std::string line; std::getline(lines, line);)
@@ -317,10 +318,9 @@ JobResult do_library_job(const LibraryJob& job) {
     result = do_job(job);
   } catch (const Error& e) {
     result.code = static_cast<int>(e.code());
-    for (const std::string& part : {e.file(), e.field(), std::string(e.what())})
-      if (!part.empty()) result.reason += (result.reason.empty() ? "" : ": ") + part;
-    replace_all(result.reason, job.library.string() + "/", "");
-    result.reason = printable(result.reason).substr(0, max_reason);
+    result.reason = error_text(e, false);
+    replace_all(result.reason, printable(job.library.string() + "/"), "");
+    result.reason = result.reason.substr(0, max_reason);
   } catch (const std::bad_alloc&) {
     result = {static_cast<int>(ExitCode::internal), "out of memory", 0, 0, 0, Lack::memory};
   }

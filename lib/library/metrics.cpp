@@ -1,21 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "library/metrics.h"
 
+#include "base/joined.h"
 #include "base/text.h"
 #include "library/slurm_engine.h"
 
 namespace trephine::library {
 namespace {
-
-// A label's value: backslash, quote and newline are escaped; printable() leaves no newline.
-std::string label(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : printable(text)) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + "\"";
-}
 
 std::string head(const std::string& name, const std::string& help) {
   return "# HELP " + name + " " + help + "\n# TYPE " + name + " gauge\n";
@@ -66,7 +57,7 @@ std::string cluster_text(const std::vector<Batch>& open) {
   std::string out = head("trephine_cluster_jobs",
                          "Jobs of open batches by state; what Slurm lost counts as waiting or begun until `library "
                          "status` or a build asks it.");
-  for (const auto& [state, n] : states) out += line("trephine_cluster_jobs", "state=" + label(state), n);
+  for (const auto& [state, n] : states) out += line("trephine_cluster_jobs", "state=" + in_quotes(state), n);
   return out + head("trephine_cluster_submissions", "How often the jobs of open batches were submitted, together.") +
          line("trephine_cluster_submissions", "", tries);
 }
@@ -85,20 +76,21 @@ void LibraryMetrics::add(const CaseRow& row) {
   of_cases_.resize(figures.size());
   for (std::size_t k = 0; k < figures.size(); ++k)
     if (good || !figures[k].published_only)
-      of_cases_[k] += line(figures[k].name, "case=" + label(row.token), figures[k].value(row));
+      of_cases_[k] += line(figures[k].name, "case=" + in_quotes(row.token), figures[k].value(row));
 }
 
 std::string LibraryMetrics::text(const std::vector<Batch>& open) const {
   std::string out = head("trephine_library_cases", "Cases by state; one whose last build failed may be published too.");
-  for (const auto& [state, n] : states_) out += line("trephine_library_cases", "state=" + label(state), n);
+  for (const auto& [state, n] : states_) out += line("trephine_library_cases", "state=" + in_quotes(state), n);
   out += head("trephine_library_cases_of_class", "Published cases by the patient's class.");
-  for (const auto& [name, n] : classes_) out += line("trephine_library_cases_of_class", "class=" + label(name), n);
+  for (const auto& [name, n] : classes_) out += line("trephine_library_cases_of_class", "class=" + in_quotes(name), n);
   for (std::size_t k = 0; k < figures.size(); ++k)
     out += head(figures[k].name, figures[k].help) + (of_cases_.empty() ? "" : of_cases_[k]);
   out += head("trephine_stage_seconds", "Seconds of a stage, summed over the last runs of all cases that computed it.");
-  for (const auto& [stage, sum] : stages_) out += line("trephine_stage_seconds", "stage=" + label(stage), sum.first);
+  for (const auto& [stage, sum] : stages_)
+    out += line("trephine_stage_seconds", "stage=" + in_quotes(stage), sum.first);
   out += head("trephine_stage_runs", "In how many cases' last runs the stage was computed.");
-  for (const auto& [stage, sum] : stages_) out += line("trephine_stage_runs", "stage=" + label(stage), sum.second);
+  for (const auto& [stage, sum] : stages_) out += line("trephine_stage_runs", "stage=" + in_quotes(stage), sum.second);
   return out + cluster_text(open);
 }
 

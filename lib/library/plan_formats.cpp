@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/error_text.h"
+#include "base/joined.h"
 #include "base/log.h"
 #include "base/spawn.h"
 #include "base/text.h"
@@ -68,12 +70,6 @@ std::string shell_words(const std::vector<std::string>& words) {
   return out;
 }
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string out;
-  for (const std::string& n : names) out += " " + n;
-  return out;
-}
-
 std::string as_json(const std::vector<OnePlannedJob>& jobs) {
   Json all = Json::array();
   for (const OnePlannedJob& j : jobs)
@@ -92,7 +88,7 @@ std::string as_json(const std::vector<OnePlannedJob>& jobs) {
 std::string as_ninja(const std::vector<OnePlannedJob>& jobs) {
   std::string text = "ninja_required_version = 1.8\nrule job\n  command = $words\n  description = $out\n\n";
   for (const OnePlannedJob& j : jobs)
-    text += "build " + j.name + ": job" + (j.after.empty() ? "" : " ||" + joined(j.after)) +
+    text += "build " + j.name + ": job" + (j.after.empty() ? "" : " || " + joined(j.after, " ")) +
             "\n  words = " + shell_words(j.command) + "\n";
   return text;
 }
@@ -102,7 +98,7 @@ std::string as_make(const std::vector<OnePlannedJob>& jobs) {
   for (const OnePlannedJob& j : jobs) names += " " + j.name;
   std::string text = "# make -k -j N -f FILE\n.PHONY: all" + names + "\nall:" + names + "\n";
   for (const OnePlannedJob& j : jobs) {
-    text += "\n" + j.name + ":" + (j.after.empty() ? "" : " |" + joined(j.after));
+    text += "\n" + j.name + ":" + (j.after.empty() ? "" : " | " + joined(j.after, " "));
     text += "\n\t" + shell_words(j.command) + "\n";
   }
   return text;
@@ -122,7 +118,7 @@ std::vector<OnePlannedJob> plan_of_library(const LibraryBuildRequest& request, c
     }
     if (c.token.empty()) throw Error(c.fault->code(), c.fault->file(), c.fault->field(), c.fault->what());
     // Its job says the same and fails, and all others are built.
-    const std::string why = c.fault->line("").substr(2);
+    const std::string why = error_text(*c.fault);
     log_warning(c.token + ": " + why);
     const std::string name = "case." + c.token;
     out.push_back({name, {}, {why}, words_of(request, name), c.estimate.memory_mb, request.params.case_limit_s});

@@ -2,6 +2,7 @@
 #include "publish/scan_checks.h"
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/text.h"
 #include "dicom/frame_of_reference.h"
 #include "dicom/identity.h"
@@ -33,24 +34,19 @@ std::vector<std::string> require_one_patient(const config::CaseConfig& config, c
   const auto compare_with = [&](const std::string& whose, const dicom::SeriesChoice& first,
                                 const config::CaseScan& scan, const dicom::SeriesChoice& second) {
     const dicom::PatientMatch match = dicom::compare_patients(first, second, progress);
-    const auto listed = [](const std::vector<std::string>& words) {
-      std::string all;
-      for (const std::string& w : words) all += (all.empty() ? "" : ", ") + w;
-      return all;
-    };
     const bool reason = !trimmed(scan.same_patient_reason).empty();
     if (!match.contradicting.empty() && !reason)
       throw Error(ExitCode::bad_input, "", "scans." + scan.name,
-                  "has another " + listed(match.contradicting) + " than " + whose +
+                  "has another " + joined(match.contradicting) + " than " + whose +
                       "; where it is the same patient nevertheless, say why with same_patient_reason");
     if (!match.contradicting.empty())
-      warnings.push_back(scan.name + ".import: has another " + listed(match.contradicting) + " than " + whose +
+      warnings.push_back(scan.name + ".import: has another " + joined(match.contradicting) + " than " + whose +
                          ", and is used for the reason given");
     else if (!identifies(match.agreeing))
       warnings.push_back(scan.name + ".import: that it is of the same patient as " + whose + " is taken on trust: " +
                          (match.agreeing.empty()
                               ? "one of the two does not say who it is, or both say what anybody's says"
-                              : "only " + listed(match.agreeing) + " can be compared, and agrees"));
+                              : "only " + joined(match.agreeing) + " can be compared, and agrees"));
   };
   for (const std::string& name : scans) {
     const config::CaseScan& scan = *config.find_scan(name);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "base/joined.h"
 #include "stages/warning_kind.h"
 
 namespace trephine::publish {
@@ -64,8 +65,7 @@ std::vector<cases::CaseFinding> findings_of_scans(const config::CaseConfig& conf
     f.confidence = how_sure;
     f.concerns = anatomies_made_of(config, graph, node);
     f.figures = {{"scale_ratio", *stretch}};
-    std::string of;
-    for (const std::string& anatomy : f.concerns) of += (of.empty() ? "" : ", ") + anatomy;
+    const std::string of = joined(f.concerns);
     f.text = fmt::format("the scan {} may be another patient's: it fits the CT best stretched by {:.1f} %{}", name,
                          100 * *stretch, of.empty() ? "" : ", and of it are made " + of);
     all.push_back(std::move(f));

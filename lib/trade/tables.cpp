@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "base/text_table.h"
@@ -106,9 +107,8 @@ std::string trade_csv(const TradeResult& result) {
     return std::find(front.begin(), front.end(), name) != front.end();
   };
   for (const PointTrade& p : result.points) {
-    std::string settings;
-    for (const std::string& s : p.planned.settings) settings += (settings.empty() ? "" : "; ") + s;
-    const std::string head = csv_text(p.total.name) + "," + p.planned.sweep + "," + csv_text(settings) + ",";
+    const std::string head =
+        csv_text(p.total.name) + "," + p.planned.sweep + "," + csv_text(joined(p.planned.settings, "; ")) + ",";
     const std::string tail = "," + csv_text(p.total.refused) + "," + csv_text(p.beyond_scene) + "," +
                              (is_on_front(p.total.name) ? "1" : "0");
     const std::string no_steps(steps.size(), ',');

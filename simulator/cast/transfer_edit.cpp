@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "base/write_file.h"
@@ -78,10 +79,9 @@ std::string colour_text(const std::array<double, 3>& colour_rgb) {
 }
 
 std::string points_text(const voxel::TransferFunction& f) {
-  std::string text;
-  for (const voxel::TransferPoint& p : f.points)
-    text += (text.empty() ? "" : ",") + to_text(p.hu) + ":" + to_text(p.opacity) + ":" + colour_text(p.colour_rgb);
-  return text;
+  return joined(f.points, ",", [](const voxel::TransferPoint& p) {
+    return to_text(p.hu) + ":" + to_text(p.opacity) + ":" + colour_text(p.colour_rgb);
+  });
 }
 
 std::string transfer_file_text(const voxel::TransferFunction& f) {

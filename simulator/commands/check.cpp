@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/text.h"
 #include "cases/load_case.h"
 #include "cli/argument.h"
@@ -120,8 +121,7 @@ void print_places(const cases::CaseManifest& m) {
     std::cout << fmt::format("target {:<16} {} mm{}, confidence {:.2f}\n", printable(t.name), point_text(t.position_mm),
                              t.anatomy.empty() ? "" : ", in " + printable(t.anatomy), t.confidence);
   for (const cases::CaseBurrHole& b : m.burr_holes) {
-    std::string cut;
-    for (const std::string& name : b.cut) cut += (cut.empty() ? "" : ", ") + printable(name);
+    const std::string cut = joined(b.cut, ", ", [](const std::string& name) { return printable(name); });
     std::cout << fmt::format("burr hole {:<16} {} mm, diameter {:g} mm, {}\n", printable(b.name),
                              point_text(b.position_mm), b.diameter_mm, cut.empty() ? "nothing cut" : "cut from " + cut);
     for (const auto& [name, value] : b.figures)

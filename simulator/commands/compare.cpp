@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/progress.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
@@ -50,9 +51,8 @@ std::vector<peers::AlgorithmKind> kinds_of(const cli::ParsedCommand& parsed) {
     const auto same = [&](const peers::AlgorithmKind& kind) { return kind.name == name; };
     const auto found = std::find_if(all.begin(), all.end(), same);
     if (found == all.end()) {
-      std::string names;
-      for (const peers::AlgorithmKind& kind : all) names += (names.empty() ? "" : ", ") + kind.name;
-      throw Error(ExitCode::usage, "", "--algorithm", "there is no " + name + ", but " + names);
+      throw Error(ExitCode::usage, "", "--algorithm",
+                  "there is no " + name + ", but " + joined(all, ", ", &peers::AlgorithmKind::name));
     }
     if (std::none_of(chosen.begin(), chosen.end(), same)) chosen.push_back(*found);
   }

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/joined.h"
 #include "base/text.h"
 #include "base/write_file.h"
 #include "cases/case.h"
@@ -23,12 +24,6 @@ struct LessonsParams {
     v.flag(&LessonsParams::json, "json", "Print one JSON object instead of text.");
   }
 };
-
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& w : words) text += (text.empty() ? "" : ", ") + w;
-  return text;
-}
 
 void print_text(const cases::CaseManifest& manifest) {
   for (const lessons::LessonType& type : lessons::lesson_types()) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/text.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
@@ -47,8 +48,6 @@ study::Table table_of(const lessons::Results& results) {
   study::Table all;
   std::vector<std::vector<std::pair<std::string, std::string>>> rows;
   for (const lessons::AttemptResult& r : results.attempts) {
-    std::string critical;
-    for (const std::string& e : r.critical) critical += (critical.empty() ? "" : "+") + e;
     std::vector<std::pair<std::string, std::string>> row = {{"participant", r.participant},
                                                             {"group", r.group},
                                                             {"level", r.level},
@@ -58,7 +57,7 @@ study::Table table_of(const lessons::Results& results) {
                                                             {"case", r.case_token},
                                                             {"task", r.task},
                                                             {"outcome", r.outcome},
-                                                            {"critical_errors", critical},
+                                                            {"critical_errors", joined(r.critical, "+")},
                                                             {"signature", lessons::name_of(r.signature)},
                                                             {"points", std::to_string(r.points)},
                                                             {"most_points", std::to_string(r.most_points)},

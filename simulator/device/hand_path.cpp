@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "haptics/tool.h"
 
 namespace trephine::device {
@@ -44,9 +45,9 @@ HandPath drill_path(const contact::ContactVolume& contact, std::uint64_t drilled
                     const HandPathParams& params) {
   const auto site = std::find_if(sites.begin(), sites.end(), [&](const auto& s) { return s.first == params.site; });
   if (site == sites.end()) {
-    std::string names;
-    for (const auto& s : sites) names += (names.empty() ? "" : ", ") + s.first;
-    throw Error(ExitCode::usage, "", "--site", params.site + ": the case has no such place, but " + names);
+    throw Error(ExitCode::usage, "", "--site",
+                params.site + ": the case has no such place, but " +
+                    joined(sites, ", ", [](const auto& s) { return s.first; }));
   }
   const grid::Lattice& l = contact.volume().voxels;
   const Vec3 middle = l.to_world_mm(Vec3{double(l.size[0]), double(l.size[1]), double(l.size[2])} * 0.5);

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/rank.h"
 
 namespace trephine::fluoro {
 namespace {
@@ -120,10 +121,7 @@ double bright_of(const FluoroIntegrals& patient) {
   std::vector<float> body;
   for (const float v : patient.integral)
     if (v > min_of_patient) body.push_back(v);
-  if (body.empty()) return 1;
-  const auto at = body.begin() + std::ptrdiff_t(bright_quantile * double(body.size() - 1));
-  std::nth_element(body.begin(), at, body.end());
-  return double(*at);
+  return body.empty() ? 1 : double(value_at_rank(body, std::size_t(bright_quantile * double(body.size() - 1))));
 }
 
 FluoroPicture picture_of(const FluoroIntegrals& patient, double bright, const CArm& arm,

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "haptics/force_slew.h"
 #include "haptics/tool_belt.h"
 
@@ -29,16 +30,15 @@ std::string kinds_that_cut() {
   std::vector<std::string> names;
   for (const ToolKind& kind : all_tool_kinds())
     if (kind.cuts()) names.push_back(kind.name);
-  std::string text;
-  for (std::size_t n = 0; n < names.size(); ++n)
-    text += (n == 0 ? "" : n + 1 < names.size() ? ", " : " or ") + names[n];
-  return text;
+  return listed(names, "or");
 }
+
+bool is_bone(const drill::DrillShape& shape) { return shape.cuttable && shape.energy_j_per_mm3 > 0; }
 
 std::uint64_t bone_of(const drill::DrillShapes& shapes) {
   std::uint64_t bits = 0;
   for (std::size_t n = 1; n < shapes.size(); ++n)
-    if (shapes[n].cuttable && shapes[n].energy_j_per_mm3 > 0) bits |= std::uint64_t{1} << n;
+    if (is_bone(shapes[n])) bits |= std::uint64_t{1} << n;
   return bits;
 }
 
@@ -184,8 +184,7 @@ drill::Wider Drilling::wider(const HapticState& state) const {
 double Drilling::cut(const HapticInput& in, const HapticState& state) {
   const double voxel_mm = contact_.smallest_side_mm();
   const bool on_mesh = touch::is_mesh(state.touched);  // which no drill cuts
-  const drill::DrillShape touched = on_mesh ? drill::DrillShape{} : shapes_[std::size_t(state.touched)];
-  const bool pressed = state.touched != 0 && touched.cuttable && touched.energy_j_per_mm3 > 0;
+  const bool pressed = state.touched != 0 && !on_mesh && is_bone(shapes_[std::size_t(state.touched)]);
   const double pressure = pressed ? norm(state.force_n - force_) : 0;
   if (pressure >= params_.stall_force_n) {
     outcome_.stalled_s += in.dt_s;
@@ -288,11 +287,9 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
 }
 
 bool Drilling::was_bone(Vec3 at) const {
-  for (const voxel::HapticShape& s : before_.shapes) {
-    const drill::DrillShape& d = shapes_[std::size_t(s.number)];
-    if (d.cuttable && d.energy_j_per_mm3 > 0 && before_decoder_.trilinear(s.number, at) >= 0.5) return true;
-  }
-  return false;
+  return std::any_of(before_.shapes.begin(), before_.shapes.end(), [&](const voxel::HapticShape& s) {
+    return is_bone(shapes_[std::size_t(s.number)]) && before_decoder_.trilinear(s.number, at) >= 0.5;
+  });
 }
 
 // A breach is a way through bone from its outside that a drill made: at least min_depth_mm deep, and on it as much bone

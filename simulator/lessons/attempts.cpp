@@ -11,6 +11,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/text.h"
 #include "base/write_file.h"
 
@@ -40,9 +41,7 @@ std::string cell_of(const LessonScore& score, const LessonColumn& column) {
 }
 
 std::string head_line(const LessonType& module) {
-  std::string line;
-  for (const auto& [name, help] : attempt_columns(module)) line += (line.empty() ? "" : ",") + name;
-  return line;
+  return joined(attempt_columns(module), ",", [](const auto& column) { return column.first; });
 }
 
 // A log of before columns were added, with these left empty; as it is, where it has others.
@@ -126,8 +125,7 @@ std::string attempt_line(const ReportHead& head, const LessonFacts& facts, const
                      std::to_string(sum.points) + "," + std::to_string(sum.most);
   for (const std::string& name : module.rows) line += "," + points_of(score, name);
   for (const LessonColumn& column : module.columns) line += "," + cell_of(score, column);
-  std::string critical;
-  for (const CriticalError& e : score.critical) critical += (critical.empty() ? "" : "+") + e.rule.error;
+  const std::string critical = joined(score.critical, "+", [](const CriticalError& e) { return e.rule.error; });
   line += "," + head.motion_sha256 + "," + head.checked() + "," + repeats;
   line += "," + facts.task + "," + name_of(score.outcome()) + "," + critical;
   line += "," + points_of(score, "decisions") + "," + haptics::name_of(head.seal) + "," + name_of(head.signature);

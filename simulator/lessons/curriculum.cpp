@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/joined.h"
 #include "base/refusal.h"
 #include "base/text.h"
 #include "base/write_file.h"
@@ -19,12 +20,10 @@ namespace fs = std::filesystem;
 std::vector<std::string> classes_of(const CurriculumParams& params, const std::vector<std::string>& known_classes) {
   if (known_classes.empty()) return {""};
   const std::vector<std::string> all = split_at(params.classes, ',');
-  std::string known;
-  for (const std::string& name : known_classes) known += (known.empty() ? "" : ", ") + name;
   for (std::size_t n = 0; n < all.size(); ++n) {
     if (std::find(known_classes.begin(), known_classes.end(), all[n]) == known_classes.end())
       throw Error(ExitCode::usage, "", "--classes",
-                  printable(all[n]) + " is no class that can be exercised; known are " + known);
+                  printable(all[n]) + " is no class that can be exercised; known are " + joined(known_classes));
     if (std::find(all.begin(), all.begin() + std::ptrdiff_t(n), all[n]) != all.begin() + std::ptrdiff_t(n))
       throw Error(ExitCode::usage, "", "--classes", all[n] + " is named twice");
   }
@@ -114,10 +113,8 @@ std::string assigned_task(const CurriculumCase& c, const CurriculumParams& param
                               nullptr, 16) %
                    c.tasks.size()];
   if (std::find(c.tasks.begin(), c.tasks.end(), params.task) != c.tasks.end()) return params.task;
-  std::string known;
-  for (const std::string& name : c.tasks) known += (known.empty() ? "" : ", ") + name;
   throw Error(ExitCode::usage, "", "--task",
-              printable(params.task) + " cannot be asked for in " + c.token + ", which has " + known);
+              printable(params.task) + " cannot be asked for in " + c.token + ", which has " + joined(c.tasks));
 }
 
 std::vector<CurriculumCase> plan_curriculum(const std::vector<CurriculumCase>& cases, const CurriculumParams& params,

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/joined.h"
+
 namespace trephine::lessons {
 namespace {
 
@@ -49,9 +51,7 @@ std::vector<NamedPart> largest(std::vector<NamedPart> parts, double least) {
 
 template <class F>
 std::string listed(const std::vector<NamedPart>& parts, Language language, F words) {
-  std::string out;
-  for (const NamedPart& p : parts) out += (out.empty() ? "" : and_word.of(language)) + words(p);
-  return out;
+  return joined(parts, and_word.of(language), words);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/joined.h"
 #include "lessons/report_pictures.h"
 
 namespace trephine::lessons {
@@ -57,9 +58,7 @@ std::string briefing_text(const LessonType& type, const LessonBriefing& b, texts
   if (!b.task.name.empty())
     text += fmt::format("{} {}: {}\n  {}\n", task_word.of(language), b.task.name, aim_of(b.task, language),
                         indication_of(b.task, language));
-  std::string tools;
-  for (const haptics::BeltToolParams& t : type.tools()) tools += (tools.empty() ? "" : ", ") + t.name;
-  text += fmt::format("{}: {}\n", tools_word.of(language), tools);
+  text += fmt::format("{}: {}\n", tools_word.of(language), joined(type.tools(), ", ", &haptics::BeltToolParams::name));
   for (std::size_t n = 0; n < b.steps.size(); ++n) {
     text += fmt::format("{}. {}\n", n + 1, lesson_words(language, b.steps[n].text));
     for (const auto& [word, said] :

@@ -6,6 +6,8 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/error_text.h"
+#include "base/joined.h"
 #include "base/text.h"
 
 namespace trephine::lessons {
@@ -25,14 +27,12 @@ std::string lesson_title(const std::string& name, texts::Language language) {
 }
 
 LessonTask task_of(const LessonType& type, const cases::CaseManifest& manifest, const std::string& name) {
-  std::string known;
-  for (const LessonTask& t : type.tasks(manifest)) {
+  const std::vector<LessonTask> tasks = type.tasks(manifest);
+  for (const LessonTask& t : tasks)
     if (t.name == name) return t;
-    known += (known.empty() ? "" : ", ") + t.name;
-  }
-  throw Error(
-      ExitCode::bad_input, "", "task",
-      printable(name) + " is no task of " + type.name + " in this case; it has " + (known.empty() ? "none" : known));
+  throw Error(ExitCode::bad_input, "", "task",
+              printable(name) + " is no task of " + type.name + " in this case; it has " +
+                  (tasks.empty() ? "none" : joined(tasks, ", ", &LessonTask::name)));
 }
 
 std::vector<LessonTask> offered_tasks(const LessonType& type, const cases::CaseManifest& manifest) {
@@ -73,7 +73,7 @@ LessonUse use_of(const LessonType& type, const cases::CaseManifest& manifest) {
     }
     if (out.tasks.empty()) out.why_not = "the case holds no task of it";
   } catch (const Error& e) {
-    out.why_not = e.line("").substr(2);
+    out.why_not = error_text(e);
   }
   return out;
 }

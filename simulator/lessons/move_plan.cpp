@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/splitmix64.h"
 #include "base/text.h"
 
@@ -72,22 +73,20 @@ void MovePlan::withdraw(const WithdrawStep& s) {
 }
 
 void MovePlan::take(const TakeStep& s) {
-  std::string known;
   for (std::size_t n = 0; n < scene_.tools.size(); ++n) {
-    known += (known.empty() ? "" : ", ") + scene_.tools[n].name;
     if (scene_.tools[n].name != s.tool) continue;
     tool_ = int(n);
     HandMove m = move();
     m.wait_s = 0.05;
     return add(m);
   }
-  throw Error(ExitCode::bad_input, "", "tool", s.tool + ": the lesson has " + known);
+  throw Error(ExitCode::bad_input, "", "tool",
+              s.tool + ": the lesson has " + joined(scene_.tools, ", ", &haptics::BeltToolParams::name));
 }
 
 void MovePlan::answer(const AnswerStep& s) {
   const auto named = [](const std::vector<std::string>& names) {
-    std::string all;
-    for (const std::string& n : names) all += (all.empty() ? "" : ", ") + n;
+    const std::string all = joined(names);
     return all.empty() ? std::string("none") : all;
   };
   std::vector<std::string> known;

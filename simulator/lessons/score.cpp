@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "lessons/lesson.h"
 
 namespace trephine::lessons {
@@ -91,9 +92,7 @@ std::vector<texts::Phrase> LessonScore::reasons() const {
 }
 
 std::string LessonScore::reason() const {
-  std::string all;
-  for (const texts::Phrase& r : reasons()) all += (all.empty() ? "" : "; ") + r.english();
-  return all;
+  return joined(reasons(), "; ", [](const texts::Phrase& r) { return r.english(); });
 }
 
 void CriticalErrors::happened(const std::string& error, const texts::Phrase& what, std::optional<double> at_s,

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/joined.h"
 #include "base/refusal.h"
 #include "base/spawn.h"
 #include "base/write_file.h"
@@ -40,8 +41,7 @@ AttemptResult scored(const fs::path& recording, const fs::path& folder, const Sc
 
 std::string said(const std::optional<int>& score) { return score ? std::to_string(*score) : "not judged"; }
 std::string said(const std::vector<std::string>& names) {
-  std::string all;
-  for (const std::string& n : names) all += (all.empty() ? "" : "+") + n;
+  const std::string all = joined(names, "+");
   return all.empty() ? "none" : all;
 }
 

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/joined.h"
 #include "lessons/lesson_type.h"
 #include "lessons/lesson_words.h"
 
@@ -136,8 +137,8 @@ ScoreSum sum_of(const LessonScore& score) {
 }
 
 std::string headline_of(const LessonScore& score, texts::Language language) {
-  std::string reason;
-  for (const texts::Phrase& r : score.reasons()) reason += (reason.empty() ? "" : "; ") + lesson_words(language, r);
+  const std::string reason =
+      joined(score.reasons(), "; ", [&](const texts::Phrase& r) { return lesson_words(language, r); });
   return lesson_words(language, name_of(score.outcome())) + (reason.empty() ? "" : ": " + reason);
 }
 

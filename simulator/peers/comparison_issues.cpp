@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/joined.h"
 #include "base/text.h"
 #include "peers/comparison.h"
 
@@ -57,8 +58,7 @@ std::vector<std::string> issues_of(const Comparison& c, const std::string& algor
 std::string issue_table(const Comparison& c) {
   std::string text = "| algorithm | issues |\n|---|---|\n";
   for (const AlgorithmKind& kind : c.kinds) {
-    std::string issues;
-    for (const std::string& issue : issues_of(c, kind.name)) issues += (issues.empty() ? "" : "; ") + issue;
+    const std::string issues = joined(issues_of(c, kind.name), "; ");
     text += fmt::format("| {} | {} |\n", kind.title, issues.empty() ? "none observed" : issues);
   }
   return text;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/rank.h"
 #include "base/splitmix64.h"
 
 namespace trephine::peers {
@@ -23,8 +24,7 @@ double clock_cost_us() {
     const double begin = cpu_us();
     d = cpu_us() - begin;
   }
-  std::nth_element(v.begin(), v.begin() + 1000, v.end());
-  return v[1000];
+  return median_of(v);
 }
 
 // A device that goes along a path at an even pace, and around its loop.

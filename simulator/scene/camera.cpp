@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/pi.h"
+#include "base/degree.h"
 #include "surface/bounds.h"
 #include "touch/frames.h"
 
@@ -12,7 +12,6 @@ namespace trephine::scene {
 namespace {
 
 constexpr Vec3 superior{0, 0, 1}, anterior{0, -1, 0}, patient_left{1, 0, 0};
-constexpr double radians = pi / 180;
 constexpr double surgeon_field_mm = 110;  // height of what the surgeon's view shows
 
 Vec3 upright(Vec3 toward, Vec3 up) {
@@ -95,14 +94,14 @@ void OrbitCamera::look(ViewPreset preset, const surface::Bounds& b, const std::o
   look_from(toward, b);
   if (preset != ViewPreset::surgeon) return;
   target_mm = *site_mm;
-  distance_mm = 0.5 * surgeon_field_mm / std::tan(0.5 * field_of_view_deg * radians);
+  distance_mm = 0.5 * surgeon_field_mm / std::tan(0.5 * field_of_view_deg * degree);
 }
 
 void OrbitCamera::look_from(Vec3 from, const surface::Bounds& b) {
   toward = from;
   // From above, and from below, the face is up; the surgeon stands behind a patient who lies on the back.
   up = upright(toward, std::abs(toward.z) > 0.6 ? anterior : superior);
-  const double half = std::tan(0.5 * field_of_view_deg * radians);
+  const double half = std::tan(0.5 * field_of_view_deg * degree);
   target_mm = (b.min_mm + b.max_mm) / 2;
   // Each corner shall lie within the frustum's height and width (of a square picture).
   distance_mm = 1;
@@ -116,7 +115,7 @@ void OrbitCamera::look_from(Vec3 from, const surface::Bounds& b) {
 
 void OrbitCamera::show(Vec3 middle_mm, double radius_mm) {
   target_mm = middle_mm;
-  distance_mm = radius_mm / std::tan(0.5 * field_of_view_deg * radians);
+  distance_mm = radius_mm / std::tan(0.5 * field_of_view_deg * degree);
 }
 
 void OrbitCamera::orbit(double right_rad, double up_rad) {
@@ -133,14 +132,14 @@ void OrbitCamera::orbit(double right_rad, double up_rad) {
 }
 
 void OrbitCamera::pan(double right_ratio, double up_ratio) {
-  const double height_mm = 2 * distance_mm * std::tan(0.5 * field_of_view_deg * radians);
+  const double height_mm = 2 * distance_mm * std::tan(0.5 * field_of_view_deg * degree);
   target_mm += (right() * right_ratio + up * up_ratio) * height_mm;
 }
 
 void OrbitCamera::zoom(double factor) { distance_mm = std::clamp(distance_mm * factor, 10.0, 5000.0); }
 
 double OrbitCamera::mm_per_px(int height) const {
-  return 2 * distance_mm * std::tan(0.5 * field_of_view_deg * radians) / std::max(1, height);
+  return 2 * distance_mm * std::tan(0.5 * field_of_view_deg * degree) / std::max(1, height);
 }
 
 EyeView OrbitCamera::eye(int width, int height, const surface::Bounds& scene, double offset_mm,
@@ -151,7 +150,7 @@ EyeView OrbitCamera::eye(int width, int height, const surface::Bounds& scene, do
   e.right = right();
   e.eye_mm = eye_mm() + e.right * offset_mm;
   // The field of view is that of the picture's shorter side, so that what fits a square fits every window.
-  const double half = std::tan(0.5 * field_of_view_deg * radians), least = std::max(1, std::min(width, height));
+  const double half = std::tan(0.5 * field_of_view_deg * degree), least = std::max(1, std::min(width, height));
   e.top = half * std::max(1, height) / least;
   e.right_edge = half * std::max(1, width) / least;
   e.bottom = -e.top;

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "base/error.h"
+#include "base/joined.h"
 
 namespace trephine::scene {
 
@@ -22,8 +23,7 @@ std::vector<double> with_named(std::vector<double> all, const SceneData& scene, 
     if (equals == std::string::npos) refuse(item, "must be NAME=NUMBER");
     const int n = scene.find(item.substr(0, equals));
     if (n < 0) {
-      std::string names;
-      for (const SceneSurface& s : scene.surfaces) names += (names.empty() ? "" : ", ") + s.name;
+      const std::string names = joined(scene.surfaces, ", ", &SceneSurface::name);
       refuse(item, "the case shows " + (names.empty() ? "nothing" : names));
     }
     char* rest = nullptr;

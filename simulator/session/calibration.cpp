@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/rank.h"
 #include "surface/bounds.h"
 
 namespace trephine::session {
@@ -23,11 +24,6 @@ constexpr double given_j = 2e-4;        // energy that noise may seem to give
 constexpr int pulses = 9;
 constexpr double min_pressed = 0.2;  // share of a wall's time; a wall that was touched for less was not pressed
 constexpr int max_tries = 3;         // of a wall that nobody presses
-
-double median(std::vector<double> v) {
-  std::nth_element(v.begin(), v.begin() + std::ptrdiff_t(v.size() / 2), v.end());
-  return v[v.size() / 2];
-}
 
 class Hand {
  public:
@@ -119,7 +115,7 @@ double measure_latency(Hand& hand, double pulse_n) {
     if (far_ms > 0) found_ms.push_back(2 * near_ms - far_ms);
   }
   hand.rest(rest_s);
-  return found_ms.size() * 2 > pulses ? std::max(0.0, median(found_ms)) : -1;
+  return found_ms.size() * 2 > pulses ? std::max(0.0, median_of(found_ms)) : -1;
 }
 
 enum class Wall { stable, unstable, unpressed };

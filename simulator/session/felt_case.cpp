@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/text.h"
 #include "cases/load_hashed.h"
 #include "haptics/delayed_walls.h"
@@ -23,12 +24,11 @@ FeltCase::FeltCase(const std::filesystem::path& folder, const std::string& shape
   feel_beside();
   if (shape.empty()) return;
   int only = 0;
-  std::string names;
-  for (const auto& [number, name] : shapes) {
+  for (const auto& [number, name] : shapes)
     if (name == shape && only == 0) only = number;
-    names += (names.empty() ? "" : ", ") + name;
-  }
-  if (only == 0) throw Error(ExitCode::usage, "", "--shape", "the case has none of that name, but " + names);
+  if (only == 0)
+    throw Error(ExitCode::usage, "", "--shape",
+                "the case has none of that name, but " + joined(shapes, ", ", [](const auto& s) { return s.second; }));
   for (std::size_t n = 1; n < feels.size(); ++n)
     if (int(n) != only) {
       haptics::ShapeFeel& f = feels[n];
@@ -67,14 +67,12 @@ touch::Beside FeltCase::beside(const haptics::ShaftParams& shaft) const {
   }
   for (const std::string& name : split_at(shaft.line_lock_in, ',')) {
     const std::uint64_t before = all.line_lock;
-    std::string names;
-    for (const cases::CaseShape& s : loaded.manifest.haptic.shapes) {
+    for (const cases::CaseShape& s : loaded.manifest.haptic.shapes)
       if (s.name == name) all.line_lock |= std::uint64_t{1} << s.number;
-      names += (names.empty() ? "" : ", ") + s.name;
-    }
     if (all.line_lock == before)
       throw Error(ExitCode::usage, "", "--line-lock-in",
-                  name + ": is none of the case's shapes (" + names + "), or comes twice");
+                  name + ": is none of the case's shapes (" +
+                      joined(loaded.manifest.haptic.shapes, ", ", &cases::CaseShape::name) + "), or comes twice");
   }
   return all;
 }

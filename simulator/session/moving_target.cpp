@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/rank.h"
 #include "device/hand_path.h"
 #include "session/session.h"
 
@@ -16,10 +17,7 @@ namespace {
 constexpr double looks_per_s = 100;
 
 double at_share(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
+  return values.empty() ? 0 : value_at_rank(values, std::size_t(share * double(values.size() - 1)));
 }
 
 }  // namespace

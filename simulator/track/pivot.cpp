@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/pi.h"
+#include "base/rank.h"
 #include "base/refusal.h"
 #include "base/symmetric_eigen.h"
 #include "track/inliers.h"
@@ -88,10 +89,8 @@ Solved begin_of(const std::vector<RigidMap>& poses) {
   double least = 1e300;
   for (std::size_t part = 0; part <= parts; ++part) {
     const Solved s = solve(without_part(poses, part));
-    std::vector<double> off = off_of(poses, s);
-    const auto middle = off.begin() + std::ptrdiff_t(off.size() / 2);
-    std::nth_element(off.begin(), middle, off.end());
-    if (*middle < least) least = *middle, best = s;
+    const double middle = median_of(off_of(poses, s));
+    if (middle < least) least = middle, best = s;
   }
   return best;
 }

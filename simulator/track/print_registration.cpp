@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/rank.h"
 #include "base/refusal.h"
 #include "base/symmetric_eigen.h"
 #include "track/inliers.h"
@@ -48,8 +49,7 @@ std::vector<Vec3> together(const std::vector<Vec3>& places, double radius) {
     std::vector<double> sorted;
     sorted.reserve(places.size());
     for (const Vec3 p : places) sorted.push_back(p[a]);
-    std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
-    median[a] = sorted[sorted.size() / 2];
+    median[a] = median_of(sorted);
   }
   std::vector<Vec3> kept;
   for (const Vec3 p : places)

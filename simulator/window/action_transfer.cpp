@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/write_file.h"
 #include "cast/cast_table.h"
 #include "cast/transfer_edit.h"
@@ -45,12 +46,7 @@ voxel::TransferFunction function_of_shape(const Player& p, const std::string& na
 
 Reply begin_with(Player& p, Words& w) {
   render::Stage& stage = p.view().stage();
-  if (!w.more()) {
-    std::string text;
-    for (const voxel::TransferFunction& f : stage.cast_source().functions())
-      text += (text.empty() ? "" : " | ") + cast::points_text(f);
-    return text;
-  }
+  if (!w.more()) return joined(stage.cast_source().functions(), " | ", cast::points_text);
   const std::string what = w.word();
   stage.cast(what == shape_word ? function_of_shape(p, w.word()) : cast::transfer_of(what, w.verb()));
   return {};

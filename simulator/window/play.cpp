@@ -12,6 +12,7 @@
 #include "base/cpu_time.h"
 #include "base/error.h"
 #include "base/png.h"
+#include "base/rank.h"
 #include "base/secret.h"
 #include "base/write_file.h"
 #include "window/controls.h"
@@ -30,11 +31,7 @@ constexpr std::size_t kept_times = 200;
 constexpr double cast_ms = 120;  // of rays while the view moves: at least five pictures a second with the rest
 constexpr std::uint64_t first_pictures = 3;  // that compile shaders
 
-double median(std::deque<double> values) {
-  if (values.empty()) return 0;
-  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
+double median(std::deque<double> values) { return values.empty() ? 0 : median_of(values); }
 
 class Loop {
  public:
