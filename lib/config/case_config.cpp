@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/joined.h"
 #include "config/config_root.h"
 #include "config/reading.h"
 
@@ -49,9 +50,7 @@ std::string ConfigReading::fault_of_landmark(const std::string& name) const {
 }
 
 std::string CaseTrade::front_names() const {
-  std::string names;
-  for (const fs::path& file : fronts) names += (names.empty() ? "" : ", ") + file.filename().string();
-  return names;
+  return joined(fronts, ", ", [](const fs::path& file) { return file.filename().string(); });
 }
 
 const RecipeStep* RecipeAnatomy::find_step(const std::string& stage) const {
@@ -99,9 +98,17 @@ bool CaseConfig::is_felt(const std::string& anatomy) const {
                      [&](const SceneShape& s) { return s.name == anatomy; });
 }
 
-bool CaseConfig::is_shown(const std::string& anatomy) const {
-  return is_felt(anatomy) ||
-         std::any_of(scene.begin(), scene.end(), [&](const SceneAnatomy& a) { return a.name == anatomy; });
+bool CaseConfig::is_shown(const std::string& anatomy) const { return is_felt(anatomy) || find_shown(anatomy); }
+
+const SceneAnatomy* CaseConfig::find_shown(const std::string& anatomy) const {
+  for (const SceneAnatomy& a : scene)
+    if (a.name == anatomy) return &a;
+  return nullptr;
+}
+
+bool CaseConfig::can_do_without(const std::string& anatomy) const {
+  const SceneAnatomy* a = find_shown(anatomy);
+  return a && (a->may_be_missing || !a->stand_in.empty());
 }
 
 void CaseConfig::leave_out(const std::string& anatomy) {

@@ -111,6 +111,10 @@ struct CaseConfig {
   std::map<std::string, Vec3> landmark_positions_mm() const;
   const RecipeAnatomy* find_anatomy(const std::string& name) const;
   const CaseScan* find_scan(const std::string& name) const;
+  /// The scene's anatomy whose surface it shows, or null.
+  const SceneAnatomy* find_shown(const std::string& anatomy) const;
+  /// Whether it is one of those, and the scene lets it be missing or names what stands for it.
+  bool can_do_without(const std::string& anatomy) const;
   /// The anatomy to which the recipe gives a role ("burr_holes.bone"); empty: none. Throws Error 70 for an unknown
   /// role.
   std::string in_role(const std::string& role) const;

@@ -30,7 +30,7 @@ picture::Image view(const grid::HuVolume& volume, const std::vector<picture::Ove
                     picture::SlicePlane plane, Vec3 place) {
   picture::SliceParams p;
   p.plane = plane;
-  const int normal = plane == picture::SlicePlane::axial ? 2 : plane == picture::SlicePlane::coronal ? 1 : 0;
+  const int normal = picture::axis_of(plane);
   const auto range = picture::slice_range_mm(grid::lattice_of(volume), plane);
   p.position_mm = std::clamp(place[normal], range[0] + 1e-6, range[1] - 1e-6);
   p.longer_side_px = 640;

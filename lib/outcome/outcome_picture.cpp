@@ -6,6 +6,7 @@
 
 #include "base/pi.h"
 #include "cases/pedicles.h"
+#include "outcome/line.h"
 #include "picture/slice.h"
 
 namespace trephine::outcome {
@@ -42,7 +43,7 @@ class Sheet {
     params.longer_side_px = side_px;
     params.window_center_hu = 100, params.window_width_hu = 500;
     if (!record_.screws.empty()) params.window_center_hu = 400, params.window_width_hu = 1600;
-    const int axis = plane == picture::SlicePlane::axial ? 2 : plane == picture::SlicePlane::coronal ? 1 : 0;
+    const int axis = picture::axis_of(plane);
     const auto range = picture::slice_range_mm(grid::lattice_of(volume_), plane);
     params.position_mm = std::clamp(p[axis], range[0] + 1e-6, range[1] - 1e-6);
     params.note = note;
@@ -54,8 +55,7 @@ class Sheet {
       dot_at(image, dot(d, at.right) / at.mm_per_px, dot(d, at.down) / at.mm_per_px, radius, colour, share);
     };
     for (const lesson::OutcomeHole& h : record_.holes) {
-      const Vec3 a = normalized(cross(h.out, std::abs(h.out.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0})),
-                 b = cross(h.out, a);
+      const Vec3 a = perpendicular_to(h.out), b = cross(h.out, a);
       for (int n = 0; n < 180; ++n)
         draw(h.outer_mm + (a * std::cos(2 * pi * n / 180) + b * std::sin(2 * pi * n / 180)) * (h.diameter_mm / 2), 1.1,
              hole_rgb);
@@ -77,8 +77,7 @@ class Sheet {
     for (const cases::CasePedicle& p : pedicles_) line(p.entry_mm, p.target_mm, 0.8, ideal_rgb);
     for (const lesson::OutcomeScrew& s : record_.screws) {
       const Rgb& colour = s.sighting == lesson::Sighting::found ? course_rgb : other_rgb;
-      const Vec3 a = normalized(cross(s.axis, std::abs(s.axis.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0})),
-                 b = cross(s.axis, a);
+      const Vec3 a = perpendicular_to(s.axis), b = cross(s.axis, a);
       for (int n = 0; n < 6; ++n) {  // its side, and its axis
         const Vec3 off = (a * std::cos(2 * pi * n / 6) + b * std::sin(2 * pi * n / 6)) * (0.5 * s.diameter_mm);
         line(s.head_mm + off, s.tip_mm + off, 0.5, colour);

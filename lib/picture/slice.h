@@ -10,6 +10,8 @@
 namespace trephine::picture {
 
 enum class SlicePlane { axial, coronal, sagittal };
+/// The axis along the plane's normal: 2, 1, 0.
+inline int axis_of(SlicePlane plane) { return 2 - int(plane); }
 
 struct OverlayShape {
   const surface::TriMesh* mesh = nullptr;

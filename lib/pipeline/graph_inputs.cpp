@@ -147,9 +147,7 @@ int GraphBuilder::step_node(const config::RecipeAnatomy& anatomy, std::size_t in
   place.scan = !is_ct ? scan_named(step.scan, name) : place.original ? original_ : graph_.scan;
   Node node = node_of_step(step, name);
   place.before = index == 0 ? place.scan : step_node(anatomy, index - 1, place.original);
-  node.may_be_missing = std::any_of(config_.scene.begin(), config_.scene.end(), [&](const config::SceneAnatomy& a) {
-    return a.name == anatomy.name && (a.may_be_missing || !a.stand_in.empty());
-  });
+  node.may_be_missing = config_.can_do_without(anatomy.name);
   return add(std::move(node), place);
 }
 

@@ -25,11 +25,6 @@ namespace {
 
 constexpr int cell_px = 640;
 
-// The axis along the plane's normal.
-int axis_of(picture::SlicePlane plane) {
-  return plane == picture::SlicePlane::axial ? 2 : plane == picture::SlicePlane::coronal ? 1 : 0;
-}
-
 surface::Bounds bounds_of_all(const grid::HuVolume* volume, const std::vector<PictureAnatomy>& anatomies) {
   if (anatomies.empty()) return surface::bounds_of(grid::lattice_of(*volume), 0.5);
   surface::Bounds all;
@@ -84,16 +79,6 @@ Focus point_of_interest(const std::vector<PictureAnatomy>& anatomies, const surf
   });
   const surface::Bounds b = surface::bounds_of(*smallest->surface);
   return {(b.min_mm + b.max_mm) / 2, "through the middle of " + smallest->name};
-}
-
-constexpr double ball_radius_mm = 3;
-
-surface::TriMesh ball_at(Vec3 position_mm) {
-  boolean::Cutter ball;
-  ball.kind = boolean::Cutter::Kind::sphere;
-  ball.position_mm = position_mm;
-  ball.radius_mm = ball_radius_mm;
-  return boolean::mesh_of(ball, 0.1);
 }
 
 // From red (a guess) to green (certain).
@@ -154,7 +139,7 @@ Sheet landmarks_sheet(Sheets& sheets, const grid::HuVolume& volume, const std::v
                       const std::vector<cases::CaseLandmark>& landmarks, const surface::Bounds& frame,
                       const Progress& progress) {
   const auto scene = std::make_shared<LandmarksScene>();
-  for (const cases::CaseLandmark& l : landmarks) scene->balls.push_back(ball_at(l.position_mm));
+  for (const cases::CaseLandmark& l : landmarks) scene->balls.push_back(ball_at(l.position_mm, 0.1));
   scene->views = see_through(anatomies);
   for (std::size_t i = 0; i < landmarks.size(); ++i)
     scene->views.push_back({&scene->balls[i], colour_of(landmarks[i]), 1});
@@ -168,7 +153,7 @@ Sheet landmarks_sheet(Sheets& sheets, const grid::HuVolume& volume, const std::v
     const cases::CaseLandmark& l = landmarks[i];
     picture::SliceParams params;
     params.plane = stages::plane_of_landmark(l.name);
-    const int axis = axis_of(params.plane);
+    const int axis = picture::axis_of(params.plane);
     const auto range = picture::slice_range_mm(grid::lattice_of(volume), params.plane);
     if (l.position_mm[axis] < range[0] || l.position_mm[axis] > range[1]) continue;
     params.longer_side_px = cell_px;
@@ -191,6 +176,14 @@ std::size_t side(Sheets& sheets, const PictureAnatomy& a, picture::View from, co
 }
 
 }  // namespace
+
+surface::TriMesh ball_at(Vec3 position_mm, double within_mm) {
+  boolean::Cutter ball;
+  ball.kind = boolean::Cutter::Kind::sphere;
+  ball.position_mm = position_mm;
+  ball.radius_mm = 3;
+  return boolean::mesh_of(ball, within_mm);
+}
 
 void show_felt(const cases::CaseManifest& manifest, const voxel::HapticVolume& haptic,
                std::list<surface::TriMesh>& kept, std::vector<PictureAnatomy>& shown, const Progress& progress) {
@@ -260,7 +253,7 @@ std::vector<CasePicture> make_case_pictures(const grid::HuVolume* volume, const 
   constexpr int slices = 6;
   for (int p = 0; volume && p < 3; ++p) {
     const auto range = picture::slice_range_mm(grid::lattice_of(*volume), planes[p]);
-    const int axis = axis_of(planes[p]);
+    const int axis = picture::axis_of(planes[p]);
     const double from = std::max(range[0], frame.min_mm[axis]), to = std::min(range[1], frame.max_mm[axis]);
     picture::SliceParams params;
     params.plane = planes[p];

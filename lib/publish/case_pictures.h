@@ -39,6 +39,9 @@ std::vector<CasePicture> make_case_pictures(const grid::HuVolume* volume, const 
                                             const std::vector<cases::CaseLandmark>& landmarks,
                                             const Progress& progress = {});
 
+/// The ball that stands for a landmark in pictures, within so much of a round one.
+surface::TriMesh ball_at(Vec3 position_mm, double within_mm);
+
 /// Adds to `shown` the shapes that are felt and have no surface of their own, as the simulator will show them: capped
 /// where the volume ends. `kept` holds their surfaces.
 void show_felt(const cases::CaseManifest& manifest, const voxel::HapticVolume& haptic,

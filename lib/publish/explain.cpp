@@ -6,16 +6,12 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "base/joined.h"
+#include "base/text.h"
 #include "base/text_table.h"
 
 namespace trephine::publish {
 namespace {
-
-std::string joined(const std::vector<std::string>& parts, const char* between) {
-  std::string text;
-  for (const std::string& p : parts) text += (text.empty() ? "" : between) + p;
-  return text;
-}
 
 // Predicts what the executor will do, without doing it (executor.cpp, demand).
 class Forecast {
@@ -60,23 +56,16 @@ std::string why_needed(const pipeline::Graph& graph, int node, bool pictured) {
     for (const auto& [port, source] : reader.sources)
       if (source == node && std::find(readers.begin(), readers.end(), reader.name) == readers.end())
         readers.push_back(reader.name);
-  if (!readers.empty()) why.push_back("read by " + joined(readers, ", "));
+  if (!readers.empty()) why.push_back("read by " + joined(readers));
   if (graph.nodes[std::size_t(node)].type->runs_program)
     why.emplace_back("runs a program, which --allow-external must allow");
   return joined(why, "; ");
 }
 
-const config::SceneShape* find_shape(const config::CaseConfig& config, const std::string& name) {
-  for (const config::SceneShape& s : config.haptic.shapes)
-    if (s.name == name) return &s;
-  return nullptr;
-}
-
 std::string why_pruned(const config::CaseConfig& config, const config::RecipeAnatomy& anatomy) {
-  const bool has_surface = std::any_of(config.scene.begin(), config.scene.end(),
-                                       [&](const config::SceneAnatomy& a) { return a.name == anatomy.name; });
-  if (has_surface) return "nothing of the scene reads it";  // no recipe of one chain has such a step
-  if (find_shape(config, anatomy.name)) return "the scene feels " + anatomy.name + " but has no surface of it";
+  if (config.find_shown(anatomy.name))
+    return "nothing of the scene reads it";  // no recipe of one chain has such a step
+  if (config.is_felt(anatomy.name)) return "the scene feels " + anatomy.name + " but has no surface of it";
   return "the scene neither shows nor feels " + anatomy.name;
 }
 

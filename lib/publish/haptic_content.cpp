@@ -27,8 +27,7 @@ HapticContent make_haptic_content(const config::CaseConfig& config, const voxel:
     s.material = wanted.material;
     static_cast<cases::ShapeParams&>(s) = wanted;
     s.volume_ml = part_of(made.shapes, shape.name).volume_ml;
-    const bool seen = std::any_of(config.scene.begin(), config.scene.end(),
-                                  [&](const config::SceneAnatomy& a) { return a.name == shape.name; });
+    const bool seen = config.find_shown(shape.name);
     s.displayed = seen ? "surface" : "haptic";
     if (seen) {
       const voxel::Mismatch& m = part_of(mismatch.shapes, shape.name);

@@ -14,17 +14,6 @@ namespace {
 
 using config::CaseConfig, config::RecipeAnatomy, config::RecipeStep, config::SceneAnatomy;
 
-const SceneAnatomy* shown(const CaseConfig& config, const std::string& name) {
-  for (const SceneAnatomy& a : config.scene)
-    if (a.name == name) return &a;
-  return nullptr;
-}
-
-bool can_do_without(const CaseConfig& config, const std::string& name) {
-  const SceneAnatomy* a = shown(config, name);
-  return a && (a->may_be_missing || !a->stand_in.empty());
-}
-
 /// What was refused: an anatomy, and the first of its steps whose output nobody may read.
 struct Refused {
   std::string anatomy;
@@ -35,7 +24,7 @@ Refused refused_by_check(const CaseConfig& config, const Error& e) {
   for (const std::string& name : e.about())
     // For the one that is left out the check speaks against its field; what a stand-in replaces may still be of use to
     // others, such as a brain with a piece too many to the ventricles inside.
-    if (const SceneAnatomy* a = shown(config, name); can_do_without(config, name))
+    if (const SceneAnatomy* a = config.find_shown(name); config.can_do_without(name))
       return {name, a->stand_in.empty() && !is_of_output(e.cause()) ? 0 : config.find_anatomy(name)->steps.size()};
   return {};
 }
@@ -43,7 +32,7 @@ Refused refused_by_check(const CaseConfig& config, const Error& e) {
 Refused refused_by(const CaseConfig& config, const Error& e) {
   if (!e.about().empty()) return refused_by_check(config, e);
   const std::string anatomy = anatomy_of_stage(config, e);
-  if (!shown(config, anatomy)) return {};
+  if (!config.find_shown(anatomy)) return {};
   const std::vector<RecipeStep>& steps = config.find_anatomy(anatomy)->steps;
   const auto step = std::find_if(steps.begin(), steps.end(),
                                  [&](const RecipeStep& s) { return e.stage() == anatomy + "." + s.type->name; });
@@ -56,7 +45,7 @@ class Conceding {
   Conceding(CaseConfig& config, Concessions& made) : config_(config), made_(made) {}
 
   bool concede(const Refused& refused, const std::string& why) {
-    if (!can_do_without(config_, refused.anatomy)) return false;
+    if (!config_.can_do_without(refused.anatomy)) return false;
     std::vector<std::string> needing;
     if (!forget(refused, needing)) return false;
     do_without(refused.anatomy, why);
@@ -77,7 +66,7 @@ class Conceding {
     for (std::size_t i = refused.from_step; i < steps.size(); ++i)
       lost.insert(refused.anatomy + "." + steps[i].type->name);
     // A check reads what stands for it.
-    const SceneAnatomy* scene = shown(config_, refused.anatomy);
+    const SceneAnatomy* scene = config_.find_shown(refused.anatomy);
     const bool has_stand_in = scene && !scene->stand_in.empty();
     const auto drop = [&](RecipeStep& step) {
       if (step.type->is_check() && has_stand_in) return true;
@@ -108,7 +97,7 @@ class Conceding {
     auto& stood = made_.stand_ins;
     stood.erase(std::remove_if(stood.begin(), stood.end(), [&](const auto& s) { return s.anatomy == name; }),
                 stood.end());
-    if (shown(config_, name)->stand_in.empty()) {
+    if (config_.find_shown(name)->stand_in.empty()) {
       made_.missing.push_back({name, why});
       config_.leave_out(name);
     } else {
@@ -131,10 +120,10 @@ RecipeStep* step_of(RecipeAnatomy& recipe) {
 bool widen(CaseConfig& config, const Error& e, Concessions& made) {
   if (e.cause() != Cause::too_many_triangles) return false;
   const std::string& name = e.about().front();
-  const SceneAnatomy* scene = shown(config, name);
+  const SceneAnatomy* scene = config.find_shown(name);
   const auto recipe = std::find_if(config.anatomies.begin(), config.anatomies.end(),
                                    [&](const RecipeAnatomy& a) { return a.name == name; });
-  if (!can_do_without(config, name) || scene->max_deviation_mm <= 0 || recipe == config.anatomies.end()) return false;
+  if (!config.can_do_without(name) || scene->max_deviation_mm <= 0 || recipe == config.anatomies.end()) return false;
   RecipeStep *decimation = step_of<meshing::DecimateParams>(*recipe),
              *smoothing = step_of<meshing::SmoothParams>(*recipe);
   if (!decimation) return false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "publish/other_config.h"
 
+#include "base/joined.h"
 #include "publish/left_out.h"
 
 #include <algorithm>
@@ -24,7 +25,7 @@ bool does_without(const CaseConfig& other, const CaseConfig& config, const std::
   bool shares = false;
   for (const config::SceneAnatomy& a : other.scene) {
     if (a.name == anatomy) return false;
-    for (const config::SceneAnatomy& own : config.scene) shares = shares || own.name == a.name;
+    shares = shares || config.find_shown(a.name);
   }
   return shares && !other.is_felt(anatomy);
 }
@@ -53,8 +54,7 @@ std::optional<Error> with_other_configs(const Error& e, const fs::path& file, co
   const bool of_surface = e.stage().empty() && is_of_output(e.cause()) && !e.about().empty();
   const std::string anatomy = of_surface ? e.about().front() : anatomy_of_stage(config, e);
   if (anatomy.empty()) return {};
-  std::string names;
-  for (const std::string& name : configs_without(file, config, anatomy)) names += (names.empty() ? "" : ", ") + name;
+  const std::string names = joined(configs_without(file, config, anatomy));
   if (names.empty()) return {};
   return Error(e).reworded(e.message() + ("; a case without " + anatomy + " is made by " + names));
 }

@@ -6,12 +6,14 @@
 #include <list>
 
 #include "base/error.h"
+#include "base/joined.h"
 #include "base/refusal.h"
 #include "base/text.h"
 #include "dicom/import.h"
 #include "meshing/contour.h"
 #include "picture/render.h"
 #include "picture/slice.h"
+#include "publish/case_pictures.h"
 #include "publish/face_clearance.h"
 #include "publish/scan_checks.h"
 #include "publish/series_hashes.h"
@@ -21,7 +23,7 @@
 namespace trephine::publish {
 namespace {
 
-constexpr double isovalue_hu = 226.5, ball_radius_mm = 3;
+constexpr double isovalue_hu = 226.5;
 constexpr std::size_t max_shapes = 12;
 
 /// One thing to be drawn: its outline is that of `field` or `mesh`, its surface that of `coarse` or `mesh`.
@@ -130,11 +132,7 @@ std::list<Shape> shapes_of(const std::string& name, const stages::StageData& dat
   } else if (const auto* landmarks = std::get_if<std::shared_ptr<const head::HeadLandmarks>>(&data)) {
     for (const cases::CaseLandmark& l : (*landmarks)->landmarks) {
       if (shapes.size() == max_shapes) break;
-      boolean::Cutter ball;
-      ball.kind = boolean::Cutter::Kind::sphere;
-      ball.position_mm = l.position_mm;
-      ball.radius_mm = ball_radius_mm;
-      add_mesh(l.name, boolean::mesh_of(ball, 0.2));
+      add_mesh(l.name, ball_at(l.position_mm, 0.2));
     }
   } else {
     throw Error(ExitCode::usage, "", "stage", name + ": gives a report, of which there is no picture");
@@ -154,7 +152,7 @@ picture::Image slice_of(const grid::HuVolume& volume, picture::SlicePlane plane,
   picture::SliceParams slice;
   slice.plane = plane;
   const auto range = picture::slice_range_mm(grid::lattice_of(volume), plane);
-  const int axis = plane == picture::SlicePlane::axial ? 2 : plane == picture::SlicePlane::coronal ? 1 : 0;
+  const int axis = picture::axis_of(plane);
   slice.position_mm = std::clamp(at[axis], range[0], range[1]);
   slice.window_center_hu = params.window_center_hu;
   slice.window_width_hu = params.window_width_hu;
@@ -188,8 +186,7 @@ void show_anatomy_of(const std::string& stage, config::CaseConfig& config) {
   const std::string name = stage.substr(0, stage.find('.'));
   const config::RecipeAnatomy* anatomy = config.find_anatomy(name);
   if (!anatomy || anatomy->steps.empty() || anatomy->steps.back().type->output != stages::DataKind::mesh) return;
-  for (const config::SceneAnatomy& shown : config.scene)
-    if (shown.name == name) return;
+  if (config.find_shown(name)) return;
   config::SceneAnatomy more;
   more.name = name;
   config.scene.push_back(more);
@@ -199,12 +196,10 @@ int find_stage_node(const pipeline::Graph& graph, const std::string& stage) {
   if (const int found = graph.find(stage); found >= 0) return found;
   std::vector<std::string> known;
   for (const pipeline::Node& node : graph.nodes) known.push_back(node.name);
-  std::string text;
-  for (const std::string& k : known) text += (text.empty() ? "" : ", ") + k;
   const std::string near = nearest_name(stage, known);
   throw Error(ExitCode::usage, "", "--stage",
               printable(stage) + ": the scene needs no such stage" +
-                  (near.empty() ? ", but " + text : ", did you mean " + near + "?"));
+                  (near.empty() ? ", but " + joined(known) : ", did you mean " + near + "?"));
 }
 
 }  // namespace
