@@ -31,11 +31,9 @@ struct NoParams {
 
 class Silent : public pipeline::RunObserver {
  public:
-  void started(const std::string&) override {}
-  void progressed(const std::string&, double) override {}
-  void finished(const std::string& node, const std::string& how, double, const stages::StageOutcome&) override {
+  void finished(const std::string& node, bool cached, double, const stages::StageOutcome&) override {
     const std::lock_guard<std::mutex> lock(mutex);
-    log[node] = how;
+    log[node] = cached ? "cached" : "computed";
   }
   std::mutex mutex;
   std::map<std::string, std::string> log;

@@ -22,12 +22,7 @@ struct NoParams {
   static void describe(V&) {}
 };
 
-class Silent : public pipeline::RunObserver {
- public:
-  void started(const std::string&) override {}
-  void progressed(const std::string&, double) override {}
-  void finished(const std::string&, const std::string&, double, const stages::StageOutcome&) override {}
-};
+using Silent = pipeline::RunObserver;
 
 struct Nodes {
   std::vector<std::unique_ptr<stages::StageType>> types;

@@ -163,14 +163,13 @@ TEST(OnlyWhatTheSceneRequires, ThePartOfTheBodyIsAskedWhereItIsSaid) {
 // Skull of the sample on coarse voxels: what the explanation foretells is what the run does, before and after.
 TEST(OnlyWhatTheSceneRequires, ARunDoesWhatTheExplanationSays) {
   struct Recorder : pipeline::RunObserver {
-    void started(const std::string&) override {}
     void progressed(const std::string& node, double share) override {
       const std::lock_guard<std::mutex> lock(mutex);
       if (node == publish::publishing_step) published.insert(share);
     }
-    void finished(const std::string& node, const std::string& how, double, const stages::StageOutcome&) override {
+    void finished(const std::string& node, bool is_cached, double, const stages::StageOutcome&) override {
       const std::lock_guard<std::mutex> lock(mutex);
-      (how == "computed" ? computed : cached).insert(node);
+      (is_cached ? cached : computed).insert(node);
     }
     std::mutex mutex;
     std::set<std::string> computed, cached;

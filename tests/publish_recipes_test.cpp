@@ -70,11 +70,7 @@ TEST(Recipes, ARefusedAnatomyNamesTheConfigurationThatDoesWithout) {
   EXPECT_FALSE(publish::with_other_configs(input, shipped("ct_spine.yaml"), spine));
 }
 
-class Nobody : public pipeline::RunObserver {
-  void started(const std::string&) override {}
-  void progressed(const std::string&, double) override {}
-  void finished(const std::string&, const std::string&, double, const stages::StageOutcome&) override {}
-};
+using Nobody = pipeline::RunObserver;
 
 /// Makes the case of a real scan; its manifest.
 cases::CaseManifest made_of(const char* config, const char* data, const ScratchFolder& folder) {

@@ -78,11 +78,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-class Nobody : public pipeline::RunObserver {
-  void started(const std::string&) override {}
-  void progressed(const std::string&, double) override {}
-  void finished(const std::string&, const std::string&, double, const stages::StageOutcome&) override {}
-};
+using Nobody = pipeline::RunObserver;
 
 TEST_F(Trade, MeasuresEveryPointOnceAndSharesWhatPointsShare) {
   request.params.repeats_count = 2;

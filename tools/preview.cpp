@@ -24,8 +24,8 @@ class DisplayObserver : public pipeline::RunObserver {
   explicit DisplayObserver(cli::ProgressDisplay& display) : display_(display) {}
   void started(const std::string& node) override { display_.start(node); }
   void progressed(const std::string& node, double fraction) override { display_.report(node, fraction); }
-  void finished(const std::string& node, const std::string& how, double, const stages::StageOutcome&) override {
-    display_.finish(node, how == "cached" ? "from the cache" : "");
+  void finished(const std::string& node, bool cached, double, const stages::StageOutcome&) override {
+    display_.finish(node, cached ? "from the cache" : "");
   }
 
  private:

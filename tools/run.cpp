@@ -47,8 +47,7 @@ class DisplayObserver : public pipeline::RunObserver {
   }
   void started(const std::string& node) override { display_.start(node); }
   void progressed(const std::string& node, double fraction) override { display_.report(node, fraction); }
-  void finished(const std::string& node, const std::string& how, double, const stages::StageOutcome& made) override {
-    const bool cached = how == "cached";
+  void finished(const std::string& node, bool cached, double, const stages::StageOutcome& made) override {
     cached_ += cached;
     std::string note;
     if (const auto* scan = result_if<mask::ScanResult>(made.result))

@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/error_text.h"
 #include "base/hash.h"
+#include "base/joined.h"
 #include "base/progress.h"
 #include "config/corrected_field.h"
 #include "grid/sample.h"
@@ -96,11 +98,9 @@ std::string fault_of_exception() {
   try {
     throw;
   } catch (const ErrorList& list) {
-    std::string text;
-    for (const Error& e : list.all()) text += (text.empty() ? "" : "\n") + e.line("").substr(2);
-    return text;
+    return joined(list.all(), "\n", [](const Error& e) { return error_text(e); });
   } catch (const Error& e) {
-    return e.line("").substr(2);
+    return error_text(e);
   } catch (const Cancelled&) {
     return "stopped";
   } catch (const std::exception&) {
@@ -113,7 +113,6 @@ class OpenCase::Watcher : public pipeline::RunObserver {
   explicit Watcher(OpenCase& of) : of_(of) {}
   void started(const std::string& node) override { of_.set_doing(node, 0); }
   void progressed(const std::string& node, double fraction) override { of_.set_doing(node, fraction); }
-  void finished(const std::string&, const std::string&, double, const stages::StageOutcome&) override {}
 
  private:
   OpenCase& of_;
@@ -196,7 +195,7 @@ void OpenCase::work() {
         now_.fields.push_back(anatomy.name);
     } catch (const Error& e) {  // the others can be looked at all the same
       const std::lock_guard<std::mutex> lock(mutex_);
-      now_.warnings.push_back(anatomy.name + ": " + e.line("").substr(2));
+      now_.warnings.push_back(anatomy.name + ": " + error_text(e));
     }
   }
   std::vector<cases::CaseLandmark> landmarks = of.config->landmarks;
@@ -207,7 +206,7 @@ void OpenCase::work() {
         landmarks = found->landmarks;
       } catch (const Error& e) {  // a hole that cannot be placed is mended by looking at them; without them by the scan
         const std::lock_guard<std::mutex> lock(mutex_);
-        now_.warnings.push_back("landmarks: " + e.line("").substr(2));
+        now_.warnings.push_back("landmarks: " + error_text(e));
       }
   const std::lock_guard<std::mutex> lock(mutex_);
   now_.landmarks = std::move(landmarks);

@@ -29,7 +29,6 @@ class Trial::Watcher : public pipeline::RunObserver {
     of_.now_.doing = node;
     of_.now_.fraction = fraction;
   }
-  void finished(const std::string&, const std::string&, double, const stages::StageOutcome&) override {}
 
  private:
   Trial& of_;

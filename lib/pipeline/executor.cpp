@@ -171,7 +171,7 @@ class Executor {
     result.seconds = seconds_since(start);
     tasks_[i].started = tasks_[i].done = true;
     expected_.learn(i, result.data);
-    finish_output(i, "cached");
+    finish_output(i);
     return true;
   }
 
@@ -310,7 +310,7 @@ class Executor {
     result.state = NodeResult::State::computed;
     result.seconds = seconds_since(start);
     store(node, result);
-    finish_output(i, "computed");
+    finish_output(i);
     if (const auto asked = options_.asked.find(i); asked != options_.asked.end()) asked->second(result);
   }
 
@@ -337,12 +337,12 @@ class Executor {
     }
   }
 
-  void finish_output(int i, const char* how) {
+  void finish_output(int i) {
     const Node& node = graph_.nodes[i];
     const NodeResult& result = results_[i];
     if (!options_.keep.empty() && node.output != stages::DataKind::nothing)
       stages::save_data(options_.keep / (node.name + stages::file_extension(node.output)), result.data);
-    observer_.finished(node.name, how, result.seconds, result);
+    observer_.finished(node.name, result.state == NodeResult::State::cached, result.seconds, result);
   }
 
   void compute(const Node& node, NodeResult& result) {

@@ -29,11 +29,12 @@ class RunObserver {
   virtual void kept(const std::filesystem::path& folder) { (void)folder; }
   /// What the whole run will take, in a line, once its scan is known.
   virtual void estimated(const std::string& needs) { (void)needs; }
-  virtual void started(const std::string& node) = 0;
-  virtual void progressed(const std::string& node, double fraction) = 0;
-  /// `how`: computed or cached.
-  virtual void finished(const std::string& node, const std::string& how, double seconds,
-                        const stages::StageOutcome& made) = 0;
+  virtual void started(const std::string& node) { (void)node; }
+  virtual void progressed(const std::string& node, double fraction) { (void)node, (void)fraction; }
+  /// `cached`: it was not computed, but came from the cache.
+  virtual void finished(const std::string& node, bool cached, double seconds, const stages::StageOutcome& made) {
+    (void)node, (void)cached, (void)seconds, (void)made;
+  }
 };
 
 /// What a node's stage gave, its data only for wanted nodes: that of others is dropped after the last reader.

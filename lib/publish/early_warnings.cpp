@@ -25,11 +25,10 @@ void EarlyWarnings::planned(const std::vector<std::pair<std::string, double>>& e
   observer_.planned(all);
 }
 
-void EarlyWarnings::finished(const std::string& node, const std::string& how, double seconds,
-                             const stages::StageOutcome& made) {
+void EarlyWarnings::finished(const std::string& node, bool cached, double seconds, const stages::StageOutcome& made) {
   if (const auto* type = stages::find_stage(node); type && type->warns_at_once())
     for (const Warning& w : made.warnings) log_warning(token_ + ": " + node + ": " + to_text(w));
-  observer_.finished(node, how, seconds, made);
+  observer_.finished(node, cached, seconds, made);
   if (node == pipeline::import_name()) scan_is_read_(result_as<stages::ImportStageResult>(made.result).scan);
 }
 

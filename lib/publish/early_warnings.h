@@ -22,8 +22,7 @@ class EarlyWarnings : public pipeline::RunObserver {
   void publishing() override { observer_.publishing(); }
   void started(const std::string& node) override { observer_.started(node); }
   void progressed(const std::string& node, double fraction) override { observer_.progressed(node, fraction); }
-  void finished(const std::string& node, const std::string& how, double seconds,
-                const stages::StageOutcome& made) override;
+  void finished(const std::string& node, bool cached, double seconds, const stages::StageOutcome& made) override;
 
  private:
   pipeline::RunObserver& observer_;
