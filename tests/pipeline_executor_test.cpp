@@ -174,7 +174,7 @@ TEST(Executor, ChecksAndWhatTheyReadComeFirst) {
     Fixture f;
     const int a = f.add("a", {}), b = f.add("b", {a}), c = f.add("c", {b}), field = f.add("field", {}),
               check = f.add("fails_check", {field}), last = f.add("last", {c});
-    f.types[std::size_t(check)]->recognises = recognises;
+    f.types[std::size_t(check)]->check.recognises = recognises;
     f.types[std::size_t(check)]->place = recognises ? stages::StagePlace::anatomy : stages::StagePlace::scan;
     if (!recognises)
       f.types[std::size_t(check)]->output = f.graph.nodes[std::size_t(check)].output = stages::DataKind::nothing;

@@ -37,7 +37,7 @@ TEST(Stages, WhatTheGraphAsksForHasOneStage) {
   int face_removals = 0, haptic = 0;
   for (const stages::StageType& stage : stages::stage_types()) {
     ++with_params[stage.make_params().set];
-    face_removals += stage.removes_face;
+    face_removals += stage.effect == stages::StageEffect::removes_face;
     haptic += stage.output == stages::DataKind::haptic;
   }
   for (const stages::StageType* stage : stages::stages_of(stages::StagePlace::scene))
@@ -56,7 +56,8 @@ TEST(Stages, APortsSourceIsOneThatItsStageCanHave) {
         EXPECT_TRUE(recipe || scan) << where;
       }
       // What the scan is made of is not known before it is made.
-      if (stage.place == stages::StagePlace::scan && stage.output == stages::DataKind::volume && !stage.removes_face) {
+      if (stage.place == stages::StagePlace::scan && stage.output == stages::DataKind::volume &&
+          stage.effect != stages::StageEffect::removes_face) {
         EXPECT_TRUE(port.from == stages::From::import || port.from == stages::From::scan) << where;
       }
       EXPECT_EQ(port.from == stages::From::anatomies, bool(port.anatomies)) << where;

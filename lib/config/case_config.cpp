@@ -89,7 +89,7 @@ const RecipeStep* CaseConfig::landmarks_step() const {
 
 const RecipeStep* CaseConfig::face_step() const {
   for (const RecipeStep& s : scan_steps)
-    if (s.type->removes_face) return &s;
+    if (s.type->effect == stages::StageEffect::removes_face) return &s;
   return nullptr;
 }
 

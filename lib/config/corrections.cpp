@@ -26,7 +26,7 @@ void for_each_source(Config& config, const Visit& visit) {
 int corrected_step(const CaseConfig& config, const RecipeAnatomy& anatomy) {
   int last = -1, read = -1;
   for (std::size_t i = 0; i < anatomy.steps.size(); ++i) {
-    if (anatomy.steps[i].type->output != stages::DataKind::field || anatomy.steps[i].type->changes_raster) continue;
+    if (!anatomy.steps[i].type->can_be_corrected()) continue;
     last = int(i);
     for_each_source(config, [&](const std::string& source) {
       if (source == anatomy.name + "." + anatomy.steps[i].type->name) read = int(i);

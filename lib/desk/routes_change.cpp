@@ -85,8 +85,7 @@ Json json_of(const config::CaseConfig& config) {
   // The steps whose fields can be drawn on the scan's voxels.
   for (const config::RecipeAnatomy& a : config.anatomies)
     for (const config::RecipeStep& step : a.steps)
-      if (step.type->output == stages::DataKind::field && !step.type->changes_raster)
-        out["steps"].push_back(a.name + "." + step.type->name);
+      if (step.type->can_be_corrected()) out["steps"].push_back(a.name + "." + step.type->name);
   if (const config::RecipeStep* step = config.landmarks_step())
     for (const stages::StagePoint& point : step->type->points) out["known_landmarks"].push_back(point.name);
   return out;

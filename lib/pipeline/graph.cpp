@@ -79,7 +79,7 @@ void GraphBuilder::add_anatomy(const config::RecipeAnatomy& recipe) {
   for (const StageType* type : stages::stages_of(StagePlace::scene))
     if (type->is_check() && is_of_anatomy(*type))
       want(add(node_of(*type, recipe.name + "." + type->name_in_case(), type->make_params()), place),
-           type->serves + " " + recipe.name);
+           type->check.serves + " " + recipe.name);
   graph_.anatomies.push_back(anatomy);
 }
 
@@ -94,7 +94,8 @@ void GraphBuilder::cut(Graph::Anatomy& anatomy, const config::SceneDrill& drille
 void GraphBuilder::prepare(const config::RecipeStep& step) {
   const int before = graph_.scan;
   graph_.scan = add(node_of_step(step, step.type->name), {&step, before});
-  if (step.type->draws_removal && config_.face == "keep") graph_.removals.push_back({before, graph_.scan});
+  if (step.type->effect == stages::StageEffect::draws_removal && config_.face == "keep")
+    graph_.removals.push_back({before, graph_.scan});
 }
 
 // The checks that a recipe names: of the scan as it was read, or of what was made of it.
@@ -105,15 +106,15 @@ void GraphBuilder::add_checks_of_scan(bool as_read) {
     const bool complete = std::all_of(step.ports.begin(), step.ports.end(), [&](const auto& p) {
       return !step.type->find_port(p.first)->required || is_shown(p);
     });
-    if (complete && std::count_if(step.ports.begin(), step.ports.end(), is_shown) >= step.type->min_inputs)
-      add_early_check(want(add(node_of_step(step, step.type->name), {&step, graph_.scan}), step.type->serves));
+    if (complete && std::count_if(step.ports.begin(), step.ports.end(), is_shown) >= step.type->check.min_inputs)
+      add_early_check(want(add(node_of_step(step, step.type->name), {&step, graph_.scan}), step.type->check.serves));
   }
 }
 
 // The same check of the inputs by which alone it may refuse, and of the scan, for a picture of what is wrong.
 void GraphBuilder::add_early_check(int check) {
   const Node& whole = graph_.nodes[check];
-  const auto& by = whole.type->refuses_early_by;
+  const auto& by = whole.type->check.refuses_early_by;
   Node early = node_of(*whole.type, whole.name, whole.params);
   early.file_sha256 = whole.file_sha256;
   early.is_early = true;
@@ -125,7 +126,7 @@ void GraphBuilder::add_early_check(int check) {
   }
   if (by.empty() || found < by.size() || early.sources.size() == whole.sources.size()) return;
   for (const std::string& port : by) early.name += (&port == &by.front() ? "." : "_") + port;
-  want(add(std::move(early)), whole.type->serves);
+  want(add(std::move(early)), whole.type->check.serves);
 }
 
 // The checks that no recipe names are made where the case has what they need.
@@ -140,7 +141,7 @@ void GraphBuilder::add_check_of_scene(const StageType& type) {
           return s.first == port.name || (port.is_many() && s.first.rfind(port.group() + ".", 0) == 0);
         }))
       return;
-  want(add(std::move(node)), type.serves);
+  want(add(std::move(node)), type.check.serves);
 }
 
 int GraphBuilder::want(int node, const std::string& for_what) {

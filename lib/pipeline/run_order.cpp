@@ -14,7 +14,7 @@ RunOrder::RunOrder(const Graph& graph, const std::function<bool(int node)>& is_a
       urgency_[std::size_t(source)] = std::max(urgency_[std::size_t(source)], urgency_[i] + 1);
     const bool is_check = node.type->is_check() && node.output == stages::DataKind::nothing;
     const bool asked = node.output == stages::DataKind::landmarks && is_asked(int(i));
-    if (is_check || asked || node.type->recognises) checks.push_back(graph.needs_of(int(i)));
+    if (is_check || asked || node.type->check.recognises) checks.push_back(graph.needs_of(int(i)));
   }
   std::sort(checks.begin(), checks.end(), [](const auto& a, const auto& b) {
     return a.size() != b.size() ? a.size() < b.size() : a.front() < b.front();

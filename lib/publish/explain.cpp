@@ -74,7 +74,7 @@ std::string why_scan_step_pruned(const config::CaseConfig& config, const stages:
     return type.output == stages::DataKind::nothing ? "it is not set what the scan is of, so nothing is asked of it"
                                                     : "no spacing is set, the scan stays as it is";
   if (type.output == stages::DataKind::landmarks) return "nothing in the scene needs a landmark";
-  if (type.removes_face)
+  if (type.effect == stages::StageEffect::removes_face)
     return config.face.empty() ? "the scene has no face policy" : "the scene's face policy is " + config.face;
   return "the scene shows too few of its anatomies";
 }

@@ -13,9 +13,9 @@ StageType anatomy_stage() {
   s.typical.base_s = 0.15;
   s.typical.per_million_voxels_s = 0.022;
   s.place = StagePlace::scan;
-  s.serves = "the consistency check of the anatomies that the scene shows";
-  s.min_inputs = 2;
-  s.refuses_early_by = {"skin", "skull"};  // a scan's field that cuts them, apparatus that is taken for them
+  s.check.serves = "the consistency check of the anatomies that the scene shows";
+  s.check.min_inputs = 2;
+  s.check.refuses_early_by = {"skin", "skull"};  // a scan's field that cuts them, apparatus that is taken for them
   s.summary = "checks a head's anatomies against each other and measures them";
   s.description =
       "Checks the given ones of skin, skull, brain and ventricles against each other (consistency check): the "

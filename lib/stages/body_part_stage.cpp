@@ -12,8 +12,8 @@ StageType body_part_stage() {
   s.typical.base_s = 0.1;
   s.typical.per_million_voxels_s = 0.012;
   s.place = StagePlace::scan;
-  s.serves = "what part of the body the scan shows";
-  s.recognises = true;
+  s.check.serves = "what part of the body the scan shows";
+  s.check.recognises = true;
   s.in_every_recipe = true;
   s.summary = "says whether a scan shows a head, lungs or a spine, before anything is made of it";
   s.description =

@@ -12,7 +12,7 @@ StageType body_stage() {
   s.typical.base_s = 0.05;
   s.typical.per_million_voxels_s = 0.041;
   s.place = StagePlace::scan;
-  s.draws_removal = true;
+  s.effect = StageEffect::draws_removal;
   s.summary = "takes mask, couch and other apparatus off a scan";
   s.description =
       "Finds the body from inside out and makes air of everything else: radiotherapy mask, couch, head holder, clamps, "

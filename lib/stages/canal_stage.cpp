@@ -12,7 +12,7 @@ StageType canal_stage() {
   s.typical.base_s = 0.2;
   s.typical.per_million_voxels_s = 0.057;
   s.typical.surface_million = 0.14;
-  s.recognises = true;
+  s.check.recognises = true;
   s.summary = "finds the spinal canal inside the bone of a spine";
   s.description =
       "Gives a field in mm that is positive inside the space which the arches of the vertebrae enclose, slice by "

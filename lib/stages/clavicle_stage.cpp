@@ -12,7 +12,7 @@ StageType clavicle_stage() {
   s.typical.base_s = 0.05;
   s.typical.per_million_voxels_s = 0.015;
   s.typical.surface_million = 0.15;
-  s.recognises = true;
+  s.check.recognises = true;
   s.summary = "separates the clavicles from the other bones of a chest";
   s.description =
       "Gives a field that is positive inside the clavicles, or inside all other bone (part rest). A clavicle is a bone "

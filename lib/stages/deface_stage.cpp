@@ -11,7 +11,7 @@ StageType deface_stage() {
   s.version = 4;
   s.typical.base_s = 3;
   s.place = StagePlace::scan;
-  s.removes_face = true;
+  s.effect = StageEffect::removes_face;
   s.contribute = [](const AnyParams& result, CaseParts& parts) { parts.changes = figures_named("face.", result); };
   s.summary = "takes the face off a CT volume";
   s.description =

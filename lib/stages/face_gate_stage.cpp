@@ -35,7 +35,7 @@ StageType face_gate_stage() {
   s.typical.base_s = 2;
   s.place = StagePlace::scene;
   s.case_name = "face";
-  s.serves = "the check that no face is published";
+  s.check.serves = "the check that no face is published";
   s.contribute = [](const AnyParams& result, CaseParts& parts) { parts.checks = figures_named("face.", result); };
   s.summary = "refuses what still shows the face";
   s.description = "Compares every surface and volume that is about to be published with the original skin.";

@@ -14,8 +14,8 @@ StageType findings_stage() {
   s.typical.base_s = 0.3;
   s.typical.per_million_voxels_s = 0.038;
   s.place = StagePlace::scan;
-  s.serves = "what of the head a person should look at";
-  s.min_inputs = 2;
+  s.check.serves = "what of the head a person should look at";
+  s.check.min_inputs = 2;
   s.summary = "says what of a head should be looked at: blood, dark tissue, shift, gaps of the bone, implants";
   s.description =
       "Measures what speaks against a usual head: tissue as dense as fresh blood in the ventricles, in the brain or "

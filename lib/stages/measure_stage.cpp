@@ -12,7 +12,7 @@ StageType measure_stage() {
   s.typical.base_s = 0.1;
   s.typical.per_million_triangles_s = 0.65;
   s.place = StagePlace::scene;
-  s.serves = "what decimation and smoothing did to";
+  s.check.serves = "what decimation and smoothing did to";
   s.summary = "measures a surface, also against a reference";
   s.description =
       "Measures validity (closed, 2-manifold, oriented, free of self-intersections; of each kind of fault how many "

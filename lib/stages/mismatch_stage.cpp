@@ -15,7 +15,7 @@ StageType mismatch_stage() {
   s.typical.per_input_s = 0.09;
   s.place = StagePlace::scene;
   s.case_name = "haptic.mismatch";
-  s.serves = "how far what is felt lies from what is seen";
+  s.check.serves = "how far what is felt lies from what is seen";
   s.summary = "measures how far the felt surfaces lie from the displayed ones";
   s.description = "Looks along the normals of the displayed surfaces for the surface of the haptic volume.";
   s.examples = {"trephine mismatch haptic.nrrd --surface skull=skull.vtp"};

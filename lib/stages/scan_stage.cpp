@@ -15,7 +15,7 @@ StageType scan_stage() {
   s.typical.base_s = 0;
   s.typical.per_million_voxels_s = 0.006;
   s.place = StagePlace::scan;
-  s.serves = "what the scan is suited for";
+  s.check.serves = "what the scan is suited for";
   s.summary = "measures noise, kernel and artefacts of a head's scan and says what it is suited for";
   s.description =
       "Noise is the standard deviation of a voxel and of the mean over a cube of 2 mm, in tiles of even soft tissue "

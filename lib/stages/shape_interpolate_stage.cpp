@@ -20,7 +20,7 @@ StageType shape_interpolate_stage() {
   s.examples = {"trephine shape-interpolate skin.nrrd --output smooth.nrrd"};
   s.ports = {port("field", DataKind::field).help("field of the segment stage")};
   s.output = DataKind::field;
-  s.changes_raster = true;
+  s.effect = StageEffect::changes_raster;
   s.declares<mask::ShapeInterpolateParams, mask::ShapeInterpolateResult>();
   s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
     return stage_outcome(mask::shape_interpolate(std::get<std::shared_ptr<const grid::Field>>(in.by_port.at("field")),

@@ -221,24 +221,36 @@ struct StageInputs {
   }
 };
 
+/// Of a stage that checks what a case is made of.
+struct StageCheck {
+  /// What a case has of it ("what the scan is suited for"; of an anatomy, its name follows).
+  std::string serves;
+  int min_inputs = 0;  ///< with fewer anatomies shown it is left out
+  /// The inputs by which alone it may refuse. A case is held against these first, before what its other inputs are made
+  /// of is made.
+  std::vector<std::string> refuses_early_by;
+  /// Of any stage: it refuses a scan of another part of the body. What it needs is made first, as what a check needs
+  /// is.
+  bool recognises = false;
+};
+
+/// What else a stage does with a scan or with its raster.
+enum class StageEffect {
+  none,
+  removes_face,    ///< takes the face off the scan, where the scene's policy says so
+  draws_removal,   ///< takes something off the scan, on the same voxels: a picture shows what
+  changes_raster,  ///< its field is not on the scan's voxels, so that no correction can be laid on it
+};
+
 struct StageType {
   std::string name;
   int version = 1;  ///< raised whenever the same inputs and parameters give other bytes; part of the cache's key
   StagePlace place = StagePlace::anatomy;
   /// What a case calls it where that is not the stage's name: "haptic.mismatch".
   std::string case_name;
-  /// Of a check: what a case has of it ("what the scan is suited for"; of an anatomy, its name follows).
-  std::string serves;
-  int min_inputs = 0;  ///< of a check: with fewer anatomies shown it is left out
-  /// Of a check: the inputs by which alone it may refuse. A case is held against these first, before what its other
-  /// inputs are made of is made.
-  std::vector<std::string> refuses_early_by;
-  /// Refuses a scan of another part of the body. What it needs is made first, as what a check needs is.
-  bool recognises = false;
-  bool removes_face = false;     ///< takes the face off the scan, where the scene's policy says so
+  StageCheck check;
+  StageEffect effect = StageEffect::none;
   bool in_every_recipe = false;  ///< a recipe need not name it; with its default parameters it does nothing
-  bool draws_removal = false;    ///< takes something off the scan, on the same voxels: a picture shows what
-  bool changes_raster = false;   ///< its field is not on the scan's voxels, so that no correction can be laid on it
   TypicalTime typical;
   std::string summary, description;
   std::vector<std::string> examples;  ///< whole command lines
@@ -270,6 +282,8 @@ struct StageType {
   /// because of what it says.
   bool warns_at_once() const;
   bool reads(From from) const;
+  /// Whether it gives a field on the scan's voxels, on which a correction by hand can be laid.
+  bool can_be_corrected() const { return output == DataKind::field && effect != StageEffect::changes_raster; }
   /// Whether it reads the scan before its face is taken away, or what was made of it.
   bool sees_face() const { return reads(From::original_scan) || reads(From::original_landmarks); }
   const std::string& name_in_case() const { return case_name.empty() ? name : case_name; }
