@@ -6,6 +6,8 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/joined.h"
+#include "haptics/suction.h"
 #include "lessons/consequences.h"
 #include "lessons/lesson_type.h"
 
@@ -13,8 +15,6 @@ namespace trephine::lessons {
 namespace {
 
 constexpr double same_place_mm = 2;
-// As a window shows it (scene::BoneDust): what suction takes up, and how near to a wound it does.
-constexpr double taken_ml_per_s = 3, reach_mm = 8;
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
@@ -91,9 +91,7 @@ std::optional<haptics::BeltToolParams> second_tool_of(const LessonType& type, co
   const std::string kind = asked.empty() ? kinds.front() : asked;
   for (const haptics::BeltToolParams& t : type.tools())
     if (t.tool == kind && std::count(kinds.begin(), kinds.end(), kind) > 0) return t;
-  std::string names;
-  for (const std::string& k : kinds) names += (names.empty() ? "" : " or ") + k;
-  refuse("--second-tool", "has no use for " + kind + " in the other hand, but for " + names);
+  refuse("--second-tool", "has no use for " + kind + " in the other hand, but for " + joined(kinds, " or "));
   return std::nullopt;
 }
 
@@ -109,7 +107,7 @@ BloodLeft blood_left(const LessonScore& score, const LessonFacts& facts) {
     for (const SuctionSpell& s : facts.second->suctions) {
       const double off_mm =
           std::min(norm(s.tip_mm - flow.seen.wound->mouth_mm), norm(s.tip_mm - flow.seen.wound->source_mm));
-      if (off_mm >= reach_mm || s.end_s <= flow.begin_s) continue;
+      if (off_mm >= haptics::takes_within_mm || s.end_s <= flow.begin_s) continue;
       near.push_back(&s);
       moments.push_back(std::max(s.begin_s, flow.begin_s));
       moments.push_back(std::min(s.end_s, facts.end_s));
@@ -124,7 +122,7 @@ BloodLeft blood_left(const LessonScore& score, const LessonFacts& facts) {
       if (!(span_s > 0)) continue;
       ml += (flow.runs(middle_s) ? flow.ml_per_min / 60 : 0) * span_s;
       if (!sucks) continue;
-      ml = std::max(0.0, ml - taken_ml_per_s * span_s);
+      ml = std::max(0.0, ml - haptics::taken_ml_per_s * span_s);
       out.suction_s += span_s;
     }
     out.left_ml += ml;

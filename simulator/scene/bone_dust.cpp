@@ -6,6 +6,7 @@
 
 #include "base/pi.h"
 #include "base/splitmix64.h"
+#include "haptics/suction.h"
 
 namespace trephine::scene {
 namespace {
@@ -17,10 +18,10 @@ constexpr double column_mm = 12, wets_beyond_mm = 7;  // above the tip; beyond t
 constexpr double usual_ml_per_min = 40, washes_per_s = 1.2, wets_per_s = 3;  // at that flow
 constexpr double wash_each_s = 0.02, dry_each_s = 1, dries_in_s = 40;
 
-constexpr double taken_ml_per_s = 3, takes_up_mm = 4, takes_up_per_s = 9;  // of a pool; about the tip; of what is there
+constexpr double takes_up_mm = 4, takes_up_per_s = 9;  // about the tip; of what is there
 constexpr double pool_each_s = 0.1;
-constexpr double widest_pool_mm = 8, run_mm = 2.2;  // beyond that width it runs down, in a line so thick
-constexpr double rinse_ml_per_min = 120;            // of a syringe of saline
+constexpr double widest_pool_mm = haptics::takes_within_mm, run_mm = 2.2;  // beyond it runs down, so thick
+constexpr double rinse_ml_per_min = 120;                                   // of a syringe of saline
 
 constexpr std::size_t most_kept = 24;
 
@@ -153,20 +154,28 @@ void BoneDust::throw_grain(const Tick& t) {
   ++version_;
 }
 
-// Calls `f` with the number of each cell of a ball.
+// Calls `f` with the number and the middle of each cell of a box.
 template <class F>
-void BoneDust::for_ball(Vec3 middle_mm, double radius_mm, const F& f) {
+void BoneDust::for_box(Vec3 low_mm, Vec3 high_mm, const F& f) {
   int from[3], to[3];
   for (int a = 0; a < 3; ++a) {
-    from[a] = std::max(0, int(std::ceil((middle_mm[a] - radius_mm) / cell_mm)) - base_[a]);
-    to[a] = std::min(side - 1, int(std::floor((middle_mm[a] + radius_mm) / cell_mm)) - base_[a]);
+    from[a] = std::max(0, int(std::ceil(low_mm[a] / cell_mm)) - base_[a]);
+    to[a] = std::min(side - 1, int(std::floor(high_mm[a] / cell_mm)) - base_[a]);
   }
   for (int k = from[2]; k <= to[2]; ++k)
     for (int j = from[1]; j <= to[1]; ++j)
-      for (int i = from[0]; i <= to[0]; ++i) {
-        const Vec3 off = first_mm() + Vec3{double(i), double(j), double(k)} * cell_mm - middle_mm;
-        if (dot(off, off) <= radius_mm * radius_mm) f(cell(i, j, k));
-      }
+      for (int i = from[0]; i <= to[0]; ++i)
+        f(cell(i, j, k), first_mm() + Vec3{double(i), double(j), double(k)} * cell_mm);
+}
+
+// Calls `f` with the number of each cell of a ball.
+template <class F>
+void BoneDust::for_ball(Vec3 middle_mm, double radius_mm, const F& f) {
+  const Vec3 reach{radius_mm, radius_mm, radius_mm};
+  for_box(middle_mm - reach, middle_mm + reach, [&](std::size_t at, Vec3 p) {
+    const Vec3 off = p - middle_mm;
+    if (dot(off, off) <= radius_mm * radius_mm) f(at);
+  });
 }
 
 // Water flows over the cutter and out of the hole: it wets what it reaches, and takes powder with it.
@@ -176,22 +185,18 @@ void BoneDust::wash(const Tick& t) {
   const float stays = float(std::exp(-washes_per_s * flow)), dry = float(std::exp(-wets_per_s * flow));
   const Vec3 end = t.tip_mm + t.axis * column_mm;
   const double reach = t.radius_mm + wets_beyond_mm;
-  int from[3], to[3];
+  Vec3 low, high;
   for (int a = 0; a < 3; ++a) {
-    from[a] = std::max(0, int(std::ceil((std::min(t.tip_mm[a], end[a]) - reach) / cell_mm)) - base_[a]);
-    to[a] = std::min(side - 1, int(std::floor((std::max(t.tip_mm[a], end[a]) + reach) / cell_mm)) - base_[a]);
+    low[a] = std::min(t.tip_mm[a], end[a]) - reach;
+    high[a] = std::max(t.tip_mm[a], end[a]) + reach;
   }
-  for (int k = from[2]; k <= to[2]; ++k)
-    for (int j = from[1]; j <= to[1]; ++j)
-      for (int i = from[0]; i <= to[0]; ++i) {
-        const Vec3 off = first_mm() + Vec3{double(i), double(j), double(k)} * cell_mm - t.tip_mm;
-        const Vec3 beside = off - t.axis * std::clamp(dot(off, t.axis), 0.0, column_mm);
-        if (dot(beside, beside) > reach * reach) continue;
-        const std::size_t at = cell(i, j, k);
-        dust_[at] *= stays;
-        blood_[at] *= stays;
-        water_[at] = 1 - (1 - water_[at]) * dry;
-      }
+  for_box(low, high, [&](std::size_t at, Vec3 p) {
+    const Vec3 off = p - t.tip_mm, beside = off - t.axis * std::clamp(dot(off, t.axis), 0.0, column_mm);
+    if (dot(beside, beside) > reach * reach) return;
+    dust_[at] *= stays;
+    blood_[at] *= stays;
+    water_[at] = 1 - (1 - water_[at]) * dry;
+  });
   for (Pool& pool : pools_)
     if (reaches(pool.of, t.tip_mm, wets_beyond_mm)) thin(pool, double(stays));
   ++version_;
@@ -205,7 +210,7 @@ void BoneDust::take_up(const Tick& t) {
   });
   for (Pool& pool : pools_)
     if (reaches(pool.of, t.tip_mm, 0))
-      thin(pool, std::max(0.0, 1 - taken_ml_per_s * since_wash_s_ / std::max(pool.ml, 1e-6)));
+      thin(pool, std::max(0.0, 1 - haptics::taken_ml_per_s * since_wash_s_ / std::max(pool.ml, 1e-6)));
   ++version_;
 }
 

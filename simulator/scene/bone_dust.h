@@ -54,6 +54,8 @@ class BoneDust {
 
  private:
   template <class F>
+  void for_box(Vec3 low_mm, Vec3 high_mm, const F& f);
+  template <class F>
   void for_ball(Vec3 middle_mm, double radius_mm, const F& f);
   void stay_about(Vec3 place_mm);
   void throw_grain(const Tick& tick);

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
+#include "lessons/lesson_parts.h"
 #include "lessons/pedicle_screw/pedicle_screw_rubric.h"
 #include "lessons/spine/finder.h"
-#include "lessons/spine/five_errors_score.h"
 #include "lessons/spine/spine_critical.h"
 #include "lessons/spine/spine_report.h"
 #include "lessons/spine/spine_scan.h"
@@ -40,14 +40,7 @@ LessonType pedicle_screw_lesson() {
   m.german_title = "Pedikelschraube";
   m.summary = "a pedicle finder and a screw, judged by five errors";
   m.rows = {"entry", "axial", "sagittal", "length", "breach", "acceptable", "size", "exposure", "passes", "time"};
-  set_five_errors_lesson(m);
-  m.columns.push_back({"screw_length_mm", "of the screw in place; 0: none", ""});
-  m.columns.push_back({"screw_diameter_mm", "of the screw in place; 0: none", ""});
-  for (const char* wall : {"medial", "lateral", "upper", "lower"})
-    m.columns.push_back({std::string(wall) + "_wall_mm", "how far the screw in place stands beyond that wall", ""});
-  m.columns.push_back({"gertzbein_grade", "of the screw in place by Gertzbein and Robbins: 0 (A) to 4 (E)", ""});
-  m.columns.push_back({"passes_count", "how often a tool entered bone", ""});
-  m.columns.push_back({"shots_count", "how often X-rays were on", ""});
+  set_five_errors_lesson(m, JudgedTool::screw);
   m.tools = pedicle_screw_tools;
   m.tasks = [](const cases::CaseManifest& manifest) {
     std::vector<LessonTask> all;
@@ -68,23 +61,6 @@ LessonType pedicle_screw_lesson() {
                              rubric.as<PedicleScrewRubric>(), JudgedTool::screw);
   };
   m.facts_of_outcome = screw_facts_of_scan;
-  m.outcome = [](const LessonFacts& facts, const LessonScore& score) {
-    const texts::Phrase unseen = unseen_in_scan(static_cast<const SpineNeedleFacts&>(facts));
-    if (!unseen.empty()) return unseen;
-    const bool graded = score.known("gertzbein_grade");
-    return texts::Phrase("passes: {}, errors: {}, {}, grade {}",
-                         {facts.from_scan ? "not judged" : std::to_string(score.count("passes_count")),
-                          score.known("errors_count") ? std::to_string(score.count("errors_count")) : "not judged",
-                          !score.flag("screw_in_bone") ? "no screw lies in bone"
-                          : !score.known("acceptable") ? "the pedicle is doubtful"
-                          : score.flag("acceptable")   ? "acceptable"
-                                                       : "not acceptable",
-                          graded ? std::string(1, char('A' + score.count("gertzbein_grade"))) : "not judged"});
-  };
-  m.headline = [](const LessonFacts&, const LessonScore& score) {
-    return texts::Phrase("errors of the screw: {}",
-                         {score.known("errors_count") ? std::to_string(score.count("errors_count")) : "not judged"});
-  };
   m.texts = {
       {"screw {} x {} mm", "Schraube {} x {} mm"},
       {"Turn in a screw of the size that fits", "Schraube der passenden Größe eindrehen"},
@@ -98,9 +74,8 @@ LessonType pedicle_screw_lesson() {
   m.guide = [](const LessonFacts& facts) {
     LessonGuide finder = finder_guide();
     const SpineNeedleFacts& f = static_cast<const SpineNeedleFacts&>(facts);
-    finder.done = std::any_of(f.passes.begin(), f.passes.end(), [&](const NeedlePass& p) {
-      return p.tool == finder.tool && !p.in_place && p.end_s < f.end_s;  // it was drawn out
-    });
+    finder.done = std::any_of(f.passes.begin(), f.passes.end(),
+                              [&](const NeedlePass& p) { return p.tool == finder.tool && !is_still_in(p, f); });
     return std::vector<LessonGuide>{
         finder,
         {"Turn in a screw of the size that fits", "screw_*", "",

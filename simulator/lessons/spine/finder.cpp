@@ -3,9 +3,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lessons/lesson_parts.h"
 #include "lessons/spine/spine_critical.h"
 #include "lessons/spine/spine_moves.h"
 #include "lessons/spine/spine_report.h"
+#include "lessons/spine/spine_scan.h"
 
 namespace trephine::lessons {
 
@@ -19,19 +21,43 @@ haptics::BeltToolParams finder_tool() {
   return finder;
 }
 
-void set_five_errors_lesson(LessonType& m) {
-  const auto measured = [&](const char* row, const char* name) {
-    m.columns.push_back({name, std::string("measured for the row ") + row, row});
+void set_five_errors_lesson(LessonType& m, JudgedTool judged) {
+  const bool of_screw = judged == JudgedTool::screw;
+  const std::string tool = of_screw ? "screw" : "finder";
+  m.columns = {measured_for("entry", "coronal_entry_off_mm"),
+               measured_for("axial", "axial_off_deg"),
+               measured_for("sagittal", "sagittal_off_deg"),
+               measured_for("length", "tip_beyond_target_mm"),
+               measured_for("breach", "breach_mm"),
+               measured_for("exposure", "exposure_s"),
+               measured_for("time", "procedure_s"),
+               {"errors_count", "of the five", ""},
+               {"acceptable", "1 or 0: not more errors than the rubric allows", ""}};
+  for (const char* size : {"length", "diameter"})
+    if (of_screw) m.columns.push_back({"screw_" + std::string(size) + "_mm", "of the screw in place; 0: none", ""});
+  for (const char* wall : {"medial", "lateral", "upper", "lower"})
+    m.columns.push_back(
+        {std::string(wall) + "_wall_mm", "how far the " + tool + " in place stands beyond that wall", ""});
+  m.columns.push_back({"gertzbein_grade", "of the " + tool + " in place by Gertzbein and Robbins: 0 (A) to 4 (E)", ""});
+  m.columns.push_back({"passes_count", "how often " + (of_screw ? "a tool" : "the " + tool) + " entered bone", ""});
+  m.columns.push_back({"shots_count", "how often X-rays were on", ""});
+  m.outcome = [tool](const LessonFacts& facts, const LessonScore& score) {
+    const texts::Phrase unseen = unseen_in_scan(static_cast<const SpineNeedleFacts&>(facts));
+    if (!unseen.empty()) return unseen;
+    const bool graded = score.known("gertzbein_grade");
+    return texts::Phrase("passes: {}, errors: {}, {}, grade {}",
+                         {facts.from_scan ? "not judged" : std::to_string(score.count("passes_count")),
+                          score.known("errors_count") ? std::to_string(score.count("errors_count")) : "not judged",
+                          !score.flag(tool + "_in_bone") ? "no " + tool + " lies in bone"
+                          : !score.known("acceptable")   ? "the pedicle is doubtful"
+                          : score.flag("acceptable")     ? "acceptable"
+                                                         : "not acceptable",
+                          graded ? std::string(1, char('A' + score.count("gertzbein_grade"))) : "not judged"});
   };
-  measured("entry", "coronal_entry_off_mm");
-  measured("axial", "axial_off_deg");
-  measured("sagittal", "sagittal_off_deg");
-  measured("length", "tip_beyond_target_mm");
-  measured("breach", "breach_mm");
-  measured("exposure", "exposure_s");
-  measured("time", "procedure_s");
-  m.columns.push_back({"errors_count", "of the five", ""});
-  m.columns.push_back({"acceptable", "1 or 0: not more errors than the rubric allows", ""});
+  m.headline = [of_screw](const LessonFacts&, const LessonScore& score) {
+    return texts::Phrase(of_screw ? "errors of the screw: {}" : "errors of the finder: {}",
+                         {score.known("errors_count") ? std::to_string(score.count("errors_count")) : "not judged"});
+  };
   m.steps = spine_steps();
   m.require = [](const cases::CaseManifest& manifest) { spine_bone_of(manifest); };
   m.plan = plan_spine_moves;

@@ -6,12 +6,11 @@
 #include <optional>
 
 #include "base/error.h"
-#include "voxel/decode.h"
+#include "base/joined.h"
+#include "lessons/scan_way.h"
 
 namespace trephine::lessons {
 namespace {
-
-constexpr double step_mm = 0.25;  ///< of a pass's path, as in a lesson
 
 // The one that was asked for; nothing where the scan shows none there.
 std::optional<lesson::OutcomeScrew> screw_for(const lesson::OutcomeRecord& record, const std::string& kind,
@@ -23,20 +22,16 @@ std::optional<lesson::OutcomeScrew> screw_for(const lesson::OutcomeRecord& recor
     if (s.pedicle == task) return s;
   if (screws.size() == 1) return screws.front();
   if (task.empty() && !screws.empty()) {
-    std::string names;
-    for (const lesson::OutcomeScrew& s : screws) names += (names.empty() ? "" : ", ") + s.pedicle;
-    throw Error(ExitCode::usage, "", "--task", "the CT shows several " + kind + "s; name the pedicle of one: " + names);
+    throw Error(ExitCode::usage, "", "--task",
+                "the CT shows several " + kind +
+                    "s; name the pedicle of one: " + joined(screws, ", ", &lesson::OutcomeScrew::pedicle));
   }
   return {};
 }
 
 NeedlePass pass_of(const lesson::OutcomeScrew& s, const cases::LoadedCase& loaded) {
   const voxel::HapticDecoder decoder(loaded.haptic);
-  const auto inside = [&](Vec3 p) {
-    for (const cases::CaseShape& shape : loaded.manifest.haptic.shapes)
-      if (decoder.trilinear(shape.number, p) >= 0.5) return shape.number;
-    return 0;
-  };
+  const auto inside = [&](Vec3 p) { return shape_about(decoder, loaded.manifest.haptic, p); };
   NeedlePass pass;
   pass.tool = s.kind == "needle" ? s.kind : fmt::format("screw_{:.1f}x{:.0f}", s.diameter_mm, s.length_mm);
   pass.entry_mm = s.entry_mm;
@@ -45,7 +40,7 @@ NeedlePass pass_of(const lesson::OutcomeScrew& s, const cases::LoadedCase& loade
   pass.length_mm = s.length_mm;
   pass.in_place = true;
   const double depth = dot(s.tip_mm - s.entry_mm, s.axis);
-  for (double t = 0; t < depth; t += step_mm) {
+  for (double t = 0; t < depth; t += way_step_mm) {
     const Vec3 tip = s.entry_mm + s.axis * t;
     pass.path.push_back({0, tip, pass.axis, inside(tip)});
   }

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lessons/lesson_parts.h"
 #include "lessons/spine/spine_critical.h"
 #include "lessons/spine/spine_moves.h"
 #include "lessons/spine/spine_report.h"
@@ -40,21 +41,18 @@ LessonType spine_needle_lesson() {
   m.german_title = "Nadel durch den Pedikel";
   m.summary = "a Jamshidi needle through a pedicle, under fluoroscopy";
   m.rows = {"entry", "target", "breach", "depth", "exposure", "passes", "time"};
-  const auto measured = [&](const char* row, const char* name) {
-    m.columns.push_back({name, std::string("measured for the row ") + row, row});
-  };
-  measured("entry", "entry_off_mm");
-  measured("target", "target_off_mm");
-  measured("breach", "breach_mm");
-  measured("depth", "depth_beyond_target_mm");
-  measured("exposure", "exposure_s");
-  measured("time", "procedure_s");
-  m.columns.push_back({"passes_count", "how often the needle entered bone", ""});
-  m.columns.push_back({"shots_count", "how often X-rays were on", ""});
-  m.columns.push_back({"in_bone", "1 or 0: the needle lies in bone at the end", ""});
-  m.columns.push_back({"breached", "1 or 0: it came through the pedicle's wall", ""});
-  m.columns.push_back({"medial", "1 or 0: towards the canal, where the breach was deepest", ""});
-  m.columns.push_back({"turned_deg", "angle between the needle and the ideal axis", ""});
+  m.columns = {measured_for("entry", "entry_off_mm"),
+               measured_for("target", "target_off_mm"),
+               measured_for("breach", "breach_mm"),
+               measured_for("depth", "depth_beyond_target_mm"),
+               measured_for("exposure", "exposure_s"),
+               measured_for("time", "procedure_s"),
+               {"passes_count", "how often the needle entered bone", ""},
+               {"shots_count", "how often X-rays were on", ""},
+               {"in_bone", "1 or 0: the needle lies in bone at the end", ""},
+               {"breached", "1 or 0: it came through the pedicle's wall", ""},
+               {"medial", "1 or 0: towards the canal, where the breach was deepest", ""},
+               {"turned_deg", "angle between the needle and the ideal axis", ""}};
   m.steps = spine_steps();
   m.require = [](const cases::CaseManifest& manifest) { spine_bone_of(manifest); };
   m.tools = spine_needle_tools;

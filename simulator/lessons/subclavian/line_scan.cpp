@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lessons/subclavian/line_scan.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/error.h"
-#include "voxel/decode.h"
+#include "lessons/scan_way.h"
 
 namespace trephine::lessons {
 namespace {
-
-constexpr double step_mm = 0.25;  ///< of a pass's path, as in a lesson
 
 // The one that was asked for; nothing where the scan shows none there.
 const lesson::OutcomeLine* line_for(const lesson::OutcomeRecord& record, const std::string& task) {
@@ -40,25 +35,13 @@ std::shared_ptr<LessonFacts> line_facts_of_scan(const lesson::OutcomeRecord& rec
   if (line->sighting != lesson::Sighting::found || line->course.size() < 2) return facts;
   const ChestShapes shapes = chest_shapes_of(loaded.manifest);
   const voxel::HapticDecoder decoder(loaded.haptic);
-  const auto inside = [&](Vec3 p) {
-    for (const cases::CaseShape& shape : loaded.manifest.haptic.shapes)
-      if (decoder.trilinear(shape.number, p) >= 0.5) return shape.number;
-    return 0;
-  };
   VeinPass pass;
   pass.entry_mm = line->skin_mm;
   pass.tip_mm = line->vein_mm;
   pass.out = -line->axis;
   pass.in_place = true;
-  for (std::size_t n = line->course.size(); n-- > 1;) {
-    const Vec3 from = line->course[n].at_mm, to = line->course[n - 1].at_mm;
-    const int steps = std::max(1, int(std::ceil(norm(to - from) / step_mm)));
-    for (int k = 0; k < steps; ++k) {
-      const Vec3 p = from + (to - from) * (double(k) / steps);
-      pass.path.push_back({0, p, inside(p)});
-    }
-  }
-  pass.path.push_back({0, line->tip_mm, inside(line->tip_mm)});
+  for (const Vec3& p : way_inwards(line->course, line->tip_mm))
+    pass.path.push_back({0, p, shape_about(decoder, loaded.manifest.haptic, p)});
   for (const VeinPassPoint& p : pass.path)  // at which moment nobody knows
     for (const auto& [shape, time_s] : {std::pair<int, double*>{shapes.vein, &facts->vein_s},
                                         std::pair<int, double*>{shapes.artery, &facts->artery_s},

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lessons/lesson_parts.h"
 #include "lessons/lesson_type.h"
 #include "lessons/report_pictures.h"
 #include "lessons/subclavian/chest_moves.h"
@@ -128,14 +129,13 @@ LessonType subclavian_lesson() {
   m.german_title = "Zugang zur Vena subclavia";
   m.summary = "a needle under the clavicle into the subclavian vein";
   m.rows = {"puncture", "direction", "vein", "artery", "lung", "passes", "time"};
-  for (const auto& [row, name] : {std::pair<const char*, const char*>{"puncture", "below_border_mm"},
-                                  {"direction", "off_notch_deg"},
-                                  {"time", "procedure_s"}})
-    m.columns.push_back({name, std::string("measured for the row ") + row, row});
-  m.columns.push_back({"success", "1 or 0: blood from the vein, and no failure", ""});
-  m.columns.push_back({"first_pass", "1 or 0: success at the first pass", ""});
-  m.columns.push_back({"passes_count", "how often the needle entered the skin", ""});
-  m.columns.push_back({"aspirations_count", "how often somebody aspirated", ""});
+  m.columns = {measured_for("puncture", "below_border_mm"),
+               measured_for("direction", "off_notch_deg"),
+               measured_for("time", "procedure_s"),
+               {"success", "1 or 0: blood from the vein, and no failure", ""},
+               {"first_pass", "1 or 0: success at the first pass", ""},
+               {"passes_count", "how often the needle entered the skin", ""},
+               {"aspirations_count", "how often somebody aspirated", ""}};
   m.steps = with_common_steps({script_step<PunctureStep>("puncture", "Moves the needle straight into the chest."),
                                script_step("aspirate", "Draws at the syringe.")});
   m.require = [](const cases::CaseManifest& manifest) { chest_shapes_of(manifest); };
@@ -166,13 +166,12 @@ LessonType subclavian_lesson() {
   append(m.texts, subclavian_words());
   m.guide = [](const LessonFacts& facts) {
     const SubclavianFacts& f = own(facts);
-    const bool is_in = !f.passes.empty() && (f.passes.back().in_place || f.passes.back().end_s >= f.end_s);
     return std::vector<LessonGuide>{
         {"Pass the needle toward the sternal notch", "needle", "",
          "Flat under the clavicle, toward the notch, the needle passes over the lung.", "A give in the vein's wall.",
-         is_in},
+         is_still_in(f)},
         {"Aspirate", "", "aspirate", "Blood alone shows that the tip is in the vein.", "Dark blood, without a pulse.",
-         is_in && f.blood_s >= 0},
+         is_still_in(f) && f.blood_s >= 0},
         {"Finish the lesson", "", "finish", "What is left in place is judged.", "Blood still comes."}};
   };
   m.status = [](const LessonFacts& facts) { return status_of(own(facts)); };

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lessons/ventriculostomy/scan_facts.h"
 
-#include <algorithm>
-#include <cmath>
-
-#include "voxel/decode.h"
+#include "lessons/scan_way.h"
 
 namespace trephine::lessons {
 namespace {
 
-constexpr double step_mm = 0.25;  ///< of a pass's path, as in a lesson
 constexpr double sure = 0.5;
 
 // Which shape holds the point, as a tool's tip would say it.
@@ -19,22 +15,10 @@ int shape_at(const voxel::HapticDecoder& decoder, const HeadShapes& shapes, Vec3
   return 0;
 }
 
-// From the bone to the tip.
-std::vector<Vec3> inwards(const lesson::OutcomeCourse& course) {
-  std::vector<Vec3> all;
-  for (std::size_t n = course.course.size(); n-- > 1;) {
-    const Vec3 from = course.course[n].at_mm, to = course.course[n - 1].at_mm;
-    const int steps = std::max(1, int(std::ceil(norm(to - from) / step_mm)));
-    for (int k = 0; k < steps; ++k) all.push_back(from + (to - from) * (double(k) / steps));
-  }
-  all.push_back(course.tip_mm);
-  return all;
-}
-
 std::optional<CatheterPass> pass_of(const lesson::OutcomeCourse& course, const voxel::HapticDecoder& decoder,
                                     const HeadShapes& shapes) {
   CatheterPass pass;
-  for (const Vec3& p : inwards(course)) {
+  for (const Vec3& p : way_inwards(course.course, course.tip_mm)) {
     const int inside = shape_at(decoder, shapes, p);
     const bool in_brain = inside == shapes.brain || inside == shapes.ventricles;
     if (pass.path.empty() && !in_brain) continue;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "lessons/lesson_parts.h"
 #include "lessons/lesson_type.h"
 #include "lessons/report_pictures.h"
 #include "lessons/ventriculostomy/head_moves.h"
@@ -146,11 +147,6 @@ std::vector<LessonTask> tasks_of(const cases::CaseManifest& manifest) {
   return all;
 }
 
-// Whether the last catheter was not drawn out.
-bool is_in_place(const VentriculostomyFacts& f) {
-  return !f.passes.empty() && (f.passes.back().in_place || f.passes.back().end_s >= f.end_s);
-}
-
 std::vector<LessonGuide> guide_of(const VentriculostomyFacts& f) {
   std::vector<LessonGuide> steps;
   const bool erased = std::any_of(f.traces.begin(), f.traces.end(), [](const MarkerTrace& t) { return t.erased; });
@@ -168,7 +164,7 @@ std::vector<LessonGuide> guide_of(const VentriculostomyFacts& f) {
          "The inner table gives way; lift the pedal before the dura is pressed.", f.through_s >= 0}};
   steps.push_back({"Pass the catheter", "catheter", "",
                    "Upright on the skull it points at the foramen of Monro, 5 to 6 cm below the inner table.",
-                   "A give, and CSF comes.", is_in_place(f) && f.passes.back().csf_s >= 0});
+                   "A give, and CSF comes.", is_still_in(f) && f.passes.back().csf_s >= 0});
   steps.push_back({"Finish the lesson", "", "finish", "What is left in place is judged.", "CSF drains."});
   return steps;
 }
@@ -215,7 +211,7 @@ LessonField field_of(const VentriculostomyFacts& f, const cases::CaseManifest& m
 
 // A catheter drains as long as its tip is in the ventricles.
 lesson::Fluid fluid_of(const VentriculostomyFacts& f, const cases::CaseManifest& manifest) {
-  return is_in_place(f) && !f.passes.back().path.empty() &&
+  return is_still_in(f) && !f.passes.back().path.empty() &&
                  f.passes.back().path.back().inside == head_shapes_of(manifest).ventricles
              ? lesson::Fluid::csf
              : lesson::Fluid::none;
@@ -252,16 +248,13 @@ LessonType ventriculostomy_lesson() {
   m.german_title = "Ventrikeldrainage";
   m.summary = "a burr hole, and a catheter into the ventricle";
   m.rows = {"landmarks", "burr_hole", "trajectory", "depth", "tip", "time", "passes"};
-  const auto measured = [&](const char* row, const char* name) {
-    m.columns.push_back({name, std::string("measured for the row ") + row, row});
-  };
-  measured("burr_hole", "kocher_off_mm");
-  measured("trajectory", "line_off_foramen_mm");
-  measured("trajectory", "beyond_midline_mm");
-  measured("depth", "depth_mm");
-  measured("tip", "foramen_off_mm");
-  measured("time", "procedure_s");
-  m.columns.push_back({"passes_count", "how often the catheter entered the brain", ""});
+  m.columns = {measured_for("burr_hole", "kocher_off_mm"),
+               measured_for("trajectory", "line_off_foramen_mm"),
+               measured_for("trajectory", "beyond_midline_mm"),
+               measured_for("depth", "depth_mm"),
+               measured_for("tip", "foramen_off_mm"),
+               measured_for("time", "procedure_s"),
+               {"passes_count", "how often the catheter entered the brain", ""}};
   for (const char* name : {"in_ventricle", "first_pass", "contralateral", "third_ventricle"})
     m.columns.push_back({name, "1 or 0, of the catheter's last place", ""});
   m.columns.push_back(

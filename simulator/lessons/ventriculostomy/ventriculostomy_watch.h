@@ -92,8 +92,6 @@ class Ventriculostomy : public Lesson {
   const HeadFrame& frame() const { return frame_; }
   const HeadShapes& shapes() const { return shapes_; }
   LessonPhase phase() const;
-  /// Of the trace that is being drawn, or the last one.
-  double trace_length_mm() const { return facts_.traces.empty() ? 0 : facts_.traces.back().length_mm; }
 
  protected:
   LessonFacts& noted() override { return facts_; }
