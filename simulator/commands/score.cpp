@@ -5,6 +5,8 @@
 #include "cli/argument.h"
 #include "cli/command.h"
 #include "lessons/results.h"
+#include "lessons/score_drilled.h"
+#include "lessons/score_outcome.h"
 #include "lessons/score_recording.h"
 
 namespace trephine::commands {
@@ -20,6 +22,50 @@ struct ScoreParams {
     v.choice(&ScoreParams::language, "language", texts::languages(), "Language of the page and of the table.");
   }
 };
+
+// Of what was made elsewhere, in another program or in an operating room.
+struct ScoreMadeParams {
+  std::string participant, task;
+  texts::Language language = texts::Language::english;
+  template <class V>
+  static void describe(V& v) {
+    using P = ScoreMadeParams;
+    v.text(&P::participant, "participant", "Who made it: a token (a-z, 0-9, _ and -), never a name.");
+    v.text(&P::task, "task",
+           "What was asked for, such as right or pedicle_2_left; empty: what was done, if that was one task.");
+    v.choice(&P::language, "language", texts::languages(), "Language of the page and of the table.");
+  }
+};
+
+ExitCode report(const lessons::ScoredLesson& lesson, const cli::ParsedCommand& parsed, const std::string& what) {
+  const std::string repeats = lessons::write_report(lesson, parsed.path("case"),
+                                                    {parsed.path("json"), parsed.path("page"), parsed.path("log")});
+  if (!repeats.empty()) std::cout << what << " is that of " << repeats << "\n";
+  std::cout << lessons::score_text(lesson.head, *lesson.facts, lesson.score);
+  return ExitCode::ok;
+}
+
+// Judges by `score` (score_drilled, score_outcome) what the argument `input` names.
+template <class Score>
+ExitCode run_score_made(const cli::ParsedCommand& parsed, const Score& score, const char* input, const char* what) {
+  const lesson::CompiledRubric rubric = lessons::read_rubric_file(parsed.path("rubric"));
+  const auto& params = parsed.params<ScoreMadeParams>();
+  lessons::ScoredLesson lesson =
+      score(parsed.path(input), parsed.path("case"), rubric, params.participant, params.task);
+  lesson.head.language = params.language;
+  return report(lesson, parsed, what);
+}
+
+// The input and what all three commands take.
+std::vector<cli::Argument> arguments_of(const char* input, const char* is, const char* of_case) {
+  using Kind = cli::Argument::Kind;
+  return {cli::positional_argument(input, Kind::in_file, is),
+          cli::required_argument("case", Kind::in_folder, of_case),
+          cli::required_argument("rubric", Kind::in_file, "The rubric, as `trephine rubric` compiled it (.json)."),
+          cli::argument("json", Kind::out_file, "Write the report to this file."),
+          cli::argument("page", Kind::out_file, "Write the report as a page (.html) that a person reads."),
+          cli::argument("log", Kind::out_file, "Add the attempt to this log (.csv), for statistics.")};
+}
 
 ExitCode run_score(const cli::ParsedCommand& parsed) {
   const lesson::CompiledRubric rubric = lessons::read_rubric_file(parsed.path("rubric"));
@@ -37,11 +83,7 @@ ExitCode run_score(const cli::ParsedCommand& parsed) {
   }
   lesson.head.language = parsed.params<ScoreParams>().language;
   lesson.head.experts = lessons::expert_bands(experts);
-  const std::string repeats = lessons::write_report(lesson, parsed.path("case"),
-                                                    {parsed.path("json"), parsed.path("page"), parsed.path("log")});
-  if (!repeats.empty()) std::cout << "the motion is that of " << repeats << "\n";
-  std::cout << lessons::score_text(lesson.head, *lesson.facts, lesson.score);
-  return ExitCode::ok;
+  return report(lesson, parsed, "the motion");
 }
 
 }  // namespace
@@ -61,32 +103,63 @@ const cli::OwnCommand score_command([] {
       "another rubric as well. Exit code 80 says that it does not replay bit for bit. docs/explanation/lessons.md says "
       "what each "
       "row measures.";
-  cli::Argument recording = cli::argument("recording", Kind::in_file, "The recording of a lesson.");
-  recording.positional = recording.required = true;
-  cli::Argument folder = cli::argument("case", Kind::in_folder, "Folder of the case in which it was done.");
-  cli::Argument rubric =
-      cli::argument("rubric", Kind::in_file, "The rubric, as `trephine rubric` compiled it (.json).");
-  folder.required = rubric.required = true;
   cli::Argument expert =
       cli::argument("expert", Kind::in_file,
                     "Report (.json) of a recording that the teacher calls an expert's: figures of the "
                     "hand's motion are shown beside those of all that are given.");
   expert.repeated = true;
-  c.arguments = {recording,
-                 folder,
-                 rubric,
-                 cli::argument("signed_by", Kind::in_file,
-                               "A teacher's public key (PEM): say whether the recording is signed, and refuse a wrong "
-                               "signature."),
-                 cli::argument("json", Kind::out_file, "Write the report to this file."),
-                 cli::argument("page", Kind::out_file, "Write the report as a page (.html) that a person reads."),
-                 cli::argument("log", Kind::out_file, "Add the attempt to this log (.csv), for statistics."),
-                 expert};
+  c.arguments = arguments_of("recording", "The recording of a lesson.", "Folder of the case in which it was done.");
+  c.arguments.insert(c.arguments.begin() + 3,
+                     cli::argument("signed_by", Kind::in_file,
+                                   "A teacher's public key (PEM): say whether the recording is signed, and refuse a "
+                                   "wrong signature."));
+  c.arguments.push_back(expert);
   c.groups = {cli::ParameterGroup::of<ScoreParams>("Parameters")};
   c.examples = {
       "trephine-sim score one.lesson --case library/sample --rubric ventriculostomy.rubric.json --json one.json "
       "--page one.html --log attempts.csv"};
   c.run = run_score;
+  return c;
+});
+
+const cli::OwnCommand score_drilled_command([] {
+  cli::Command c;
+  c.name = "score-drilled";
+  c.summary = "judges what was drilled in another program by the rubric of the lesson";
+  c.description =
+      "Takes the labels that `trephine drilled` made of a stack which volumetric_drilling saved, and scores them by "
+      "the same functions and the same rubric as a recorded lesson, in the anatomy of the case. What a drilled volume "
+      "does not show (traces of landmarks, the catheter, time, passes) is not judged. The report holds each hole's "
+      "place and volume, and is one that `study` and `group` read beside those of lessons.";
+  c.arguments = arguments_of("labels", "The labels (.seg.nrrd).", "Folder of the case that was drilled.");
+  c.groups = {cli::ParameterGroup::of<ScoreMadeParams>("Parameters")};
+  c.examples = {
+      "trephine-sim score-drilled drilled.seg.nrrd --case library/head-01 --rubric ventriculostomy.rubric.json "
+      "--participant r-01 --json results/r-01-ambf.json --log attempts.csv"};
+  c.run = [](const cli::ParsedCommand& parsed) {
+    return run_score_made(parsed, lessons::score_drilled, "labels", "the drilled volume");
+  };
+  return c;
+});
+
+const cli::OwnCommand score_outcome_command([] {
+  cli::Command c;
+  c.name = "score-outcome";
+  c.summary = "judges what a CT after a procedure shows by the rubric of the lesson";
+  c.description =
+      "Takes outcome.json, which `trephine outcome` measured on a CT after a ventriculostomy, with pedicle screws or "
+      "with a central line, and scores it by the same "
+      "functions and the same rubric as a recorded lesson, in the anatomy of the case. What a CT does not show (traces "
+      "of landmarks, time, passes) is not judged, and neither is what was found doubtfully. The report is one that "
+      "`study` and `group` read beside those of lessons. For training and research; not for clinical use.";
+  c.arguments = arguments_of("outcome", "outcome.json.", "Folder of the case in which it was measured.");
+  c.groups = {cli::ParameterGroup::of<ScoreMadeParams>("Parameters")};
+  c.examples = {
+      "trephine-sim score-outcome after/outcome.json --case library/head-01 --rubric ventriculostomy.rubric.json "
+      "--participant r-01 --json results/r-01-real.json --log attempts.csv"};
+  c.run = [](const cli::ParsedCommand& parsed) {
+    return run_score_made(parsed, lessons::score_outcome, "outcome", "the outcome");
+  };
   return c;
 });
 
