@@ -22,7 +22,7 @@ assert said["touching_ratio"] > 0.5 and said["events"]["touch"] >= 1 and said["m
 # The documented layout, read by somebody else.
 data = open(sys.argv[2], "rb").read()
 magic, version, length = struct.unpack_from("<8sII", data)
-assert (magic, version, length) == (b"TREPHSRV", 20, 8192)
+assert (magic, version, length) == (b"TREPHSRV", 21, 8192)
 header = json.loads(data[16:16 + length])
 assert header["case"] == "sample" and header["frame_bytes"] == 216 and header["rate_hz"] == 1000, header
 frames = list(struct.iter_unpack("<Q17dI4i3I40x", data[16 + length:]))
