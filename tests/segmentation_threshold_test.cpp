@@ -179,7 +179,7 @@ TEST(SegmentThreshold, ACutThroughMaterialIsNoStaircase) {
 
 // Where the field ends within a chest, the lung that it cuts open lies outside of the skin.
 TEST(SegmentThreshold, ABodyThatTheFieldCutsOpenIsWhyNothingLiesInIt) {
-  const auto said = [](int columns, double lung_mm) {
+  const auto said = [](int columns, double lung_mm, double upper_hu = -450) {
     grid::Lattice l = lattice(columns, 60, 30, {2, 2, 3});
     l.origin_mm.x = -59;
     const grid::Grid<float> chest = sampled(l, [&](Vec3 p) {
@@ -189,8 +189,8 @@ TEST(SegmentThreshold, ABodyThatTheFieldCutsOpenIsWhyNothingLiesInIt) {
       return std::abs(p.x) < 50 && std::abs(p.y) < 50 && norm(p - Vec3{0, 0, p.z}) > lung_mm ? 1.0 : -1.0;
     });
     segmentation::SegmentParams lung;
-    lung.lower_hu = -1100;
-    lung.upper_hu = -450;
+    lung.lower_hu = upper_hu - 650;
+    lung.upper_hu = upper_hu;
     segmentation::SegmentMasks masks;
     masks.within = &skin;
     try {
@@ -201,11 +201,12 @@ TEST(SegmentThreshold, ABodyThatTheFieldCutsOpenIsWhyNothingLiesInIt) {
     }
     return std::string("found");
   };
-  const std::string half = said(30, 30), whole = said(60, 0);
+  const std::string half = said(30, 30), whole = said(60, 0), wrong_hu = said(30, 30, 3000);
   EXPECT_NE(half.find("are cut by the sides of the field of view"), std::string::npos) << half;
   EXPECT_NE(half.find("field of view shows all of the body"), std::string::npos) << half;
   EXPECT_EQ(half.find("lower_hu`"), std::string::npos) << half;
   EXPECT_NE(whole.find("the mask is empty"), std::string::npos) << whole;
+  EXPECT_NE(wrong_hu.find("the mask is empty"), std::string::npos) << wrong_hu;
 }
 
 TEST(SegmentThreshold, GrowMovesTheSurfaceByMillimetres) {

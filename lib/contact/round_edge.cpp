@@ -25,6 +25,7 @@ constexpr double third_turn = 0.7;       // cosine, at most: between a corner's 
 constexpr double corner_voxels = 4.5;    // how far a third face is looked for
 constexpr double third_voxels = 0.7;     // how far behind the others, at least, places are its own
 constexpr double own_turn = 0.6;         // cosine, at least: between a sample's normal and its face's
+constexpr double most_sharper = 1.75;    // of an edge of 60 degrees; what is more acute was not measured
 constexpr double acute_turn = -0.18;     // cosine between two faces, at most
 constexpr double least_det = 0.2;        // of a corner's normals
 constexpr double least_explained = 0.7;  // of the samples around, where two faces are not all that is there
@@ -67,7 +68,7 @@ double RoundEdge::cut_off_mm() const {
 
 double RoundEdge::sharper() const {
   const double turn = dot(faces_.plane[0].normal, faces_.plane[1].normal);
-  return std::max(1.0, std::sqrt((1 - turn) / std::max(0.1, 1 + turn)));
+  return std::clamp(std::sqrt((1 - turn) / std::max(0.1, 1 + turn)), 1.0, most_sharper);
 }
 
 void RoundEdge::forget() {
@@ -113,7 +114,8 @@ bool RoundEdge::find_anew(Vec3 touched, Vec3 normal, double radius, int from, in
   const bool three = find_three(place, touched, normal, from, into, normals, computed) ||
                      (norm(end - place) > voxel_mm_ && find_three(end, touched, normal, from, into, normals, computed));
   if (!two && !three)
-    return find_two(touched, on - normalized(on) * (3 * voxel_mm_), 0, normal, from, into, normals, computed);
+    return find_two(touched, on - normalized(on) * (3 * voxel_mm_), 0, normal, from, into, normals, computed) &&
+           is_sharp();
   const Faces of_three = faces_;
   const int all = count_, on_three = three ? count_on_faces() : 0;
   faces_ = of_two;
@@ -146,7 +148,7 @@ bool RoundEdge::find_two(Vec3 touched, Vec3 on, int tries, Vec3 normal, int from
   if (!is_convex()) return false;
   faces_.at_mm = place;
   fit_all();
-  return true;
+  return is_convex() && dot(faces_.plane[0].normal, faces_.plane[1].normal) <= least_turn;
 }
 
 // Whether the surface comes as near to the line in which the faces meet as it does at an edge. That of a small ball is

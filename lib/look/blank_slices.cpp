@@ -10,10 +10,12 @@
 namespace trephine::look {
 namespace {
 
-constexpr double most_ratio = 2.0 / 3;  ///< of the slices
+constexpr double most_even = 0.5;  ///< of neighbours in a row: without noise most of them are equal
+constexpr double tissue_hu = -500;
 
 struct Slice {
   bool constant = false, copy = false;
+  std::int64_t pairs_count = 0, equal_count = 0;  ///< of neighbours in tissue
 };
 
 template <class Sample>
@@ -27,6 +29,11 @@ std::vector<Slice> slices_of(const grid::Grid<Sample>& g, const Progress& progre
       Slice& s = all[std::size_t(k)];
       s.constant = std::adjacent_find(v, v + n, std::not_equal_to<>()) == v + n;
       s.copy = k > 0 && std::equal(v, v + n, v - n);
+      for (std::size_t i = 1; i < n; ++i) {
+        if (!(v[i] > tissue_hu) || !(v[i - 1] > tissue_hu)) continue;
+        ++s.pairs_count;
+        s.equal_count += v[i] == v[i - 1];
+      }
     }
   });
   return all;
@@ -41,14 +48,17 @@ std::optional<BlankSlices> blank_slices(const grid::HuVolume& volume, const Prog
   while (last > first && all[std::size_t(last)].constant) --last;
   const grid::Lattice& l = grid::lattice_of(volume);
   BlankSlices found;
+  std::int64_t pairs = 0, equal = 0;
   for (int k = first + 1; k <= last; ++k) {
+    pairs += all[std::size_t(k)].pairs_count;
+    equal += all[std::size_t(k)].equal_count;
     if (!all[std::size_t(k)].constant && !all[std::size_t(k)].copy) continue;
     const double z = l.to_world_mm({0.5 * (l.size[0] - 1), 0.5 * (l.size[1] - 1), double(k)}).z;
     found.from_mm = found.count ? std::min(found.from_mm, z) : z;
     found.to_mm = found.count ? std::max(found.to_mm, z) : z;
     ++found.count;
   }
-  if (found.count == 0 || found.count > most_ratio * (last - first + 1)) return {};
+  if (found.count == 0 || double(equal) > most_even * double(pairs)) return {};
   return found;
 }
 

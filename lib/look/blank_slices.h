@@ -15,8 +15,8 @@ struct BlankSlices {
 
 /// Those of the volume's third axis. Noise makes no two slices of a scan alike, so these were not measured: a program
 /// lost or repeated them. Slices without anything beyond the first and the last that shows something are no part of
-/// the scan. Nothing where two of three slices are so: a scan without noise, whose slices may well be alike. The same
-/// result whatever the thread count. Throws Cancelled.
+/// the scan. Nothing where most neighbours in a row of tissue are equal: a scan without noise, whose slices may well be
+/// alike. The same result whatever the thread count. Throws Cancelled.
 std::optional<BlankSlices> blank_slices(const grid::HuVolume& volume, const Progress& progress = {});
 
 }  // namespace trephine::look

@@ -27,6 +27,7 @@ constexpr double min_rim_ml = 2;         ///< less may be thin bone at the surfa
 constexpr double max_even_ml = 1;        ///< of bone's inside, in one piece
 constexpr double plate_core_mm = 1;      ///< a thin part of at least twice this
 constexpr double min_cut_cm2 = 10;       ///< of a body: the field of view cuts it open
+constexpr double min_outside_ml = 10;    ///< between the thresholds: what was sought may lie there
 constexpr double plate_span_mm = 100;    ///< and this long, cut by the volume's edge, is a table or head holder
 
 /// The value that places the surface: HU above the lower threshold, or below the upper one where that is nearer. The
@@ -200,11 +201,13 @@ Outcome<grid::Field, SegmentResult> segment_threshold(const mask::HuView& hu, co
   };
 
   mask::BitMask shape = make([&](float v) { return window(v) > 0; });
-  double inside_ml = 0;
+  double inside_ml = 0, outside_ml = 0;
   if (masks.within) {
     const mask::BitMask within = mask::positive(*masks.within, work);
+    const double all_ml = double(shape.count()) * work.voxel_volume_mm3() / 1000;
     shape &= within;
     inside_ml = double(shape.count()) * work.voxel_volume_mm3() / 1000;
+    outside_ml = all_ml - inside_ml;
     if (p.seed_lower_hu > p.lower_hu) shape.remove(bright_rim(shape, within, made, progress));
   }
   if (masks.without) shape.remove(mask::positive(*masks.without, work));
@@ -235,7 +238,8 @@ Outcome<grid::Field, SegmentResult> segment_threshold(const mask::HuView& hu, co
   }
   progress.report(0.6);
   if (!shape.any()) {
-    if (masks.within) require_closed(mask::positive(*masks.within, hu.lattice()), inside_ml);
+    if (masks.within && outside_ml >= min_outside_ml)
+      require_closed(mask::positive(*masks.within, hu.lattice()), inside_ml);
     mask::check_mask(shape, hu.lattice().count());
   }
 

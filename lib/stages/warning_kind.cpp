@@ -46,7 +46,8 @@ Kinds make_kinds() {
   add(k, Severity::wrong,
       {"skin", "skull", "brain", "ventricles", "dura", "midline", "sagittal_sinus", "third_ventricle", "brainstem"},
       {"unusual_proportions"});
-  k["unusual_proportions"].about_landmarks = true;
+  add(k, Severity::wrong, {}, {"blank_slices"});  // of all that the scan shows (import_stage.cpp)
+  for (const char* id : {"unusual_proportions", "blank_slices"}) k[id].about_landmarks = true;
   add(k, Severity::wrong, {"skin", "bone", "canal"}, {"unusual_levels"});
   add(k, Severity::wrong, {"clavicle", "vein"}, {"no_clavicle"});
   add(k, Severity::wrong, {"lung", "pleura"}, {"lung_interrupted", "lung_ends_early"});

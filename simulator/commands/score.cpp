@@ -32,7 +32,9 @@ struct ScoreMadeParams {
     using P = ScoreMadeParams;
     v.text(&P::participant, "participant", "Who made it: a token (a-z, 0-9, _ and -), never a name.");
     v.text(&P::task, "task",
-           "What was asked for, such as right or pedicle_2_left; empty: what was done, if that was one task.");
+           "What was asked for, such as right or, of several screws, pedicle_2_left; empty: the side or level at which "
+           "it was "
+           "done, where that is one.");
     v.choice(&P::language, "language", texts::languages(), "Language of the page and of the table.");
   }
 };
