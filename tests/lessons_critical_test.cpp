@@ -308,6 +308,18 @@ TEST(LessonsTeleport, MovesThatNoHandMakesAreRefused) {
   EXPECT_EQ(judged(shrunk(4)), "judged");  // somebody may be that quick
 }
 
+// A device that is silent for a moment leaves the tool where it is: there is no second pass.
+TEST(LessonsTeleport, ASilentDeviceMakesNoSecondPass) {
+  const auto in_spine = spine().run(needle());
+  ASSERT_EQ(in_spine.facts.passes.size(), 1u);
+  const auto silent = spine().facts_with_silence<lessons::SpineNeedleFacts>(in_spine.recording);
+  EXPECT_EQ(silent.passes.size(), 1u);
+  EXPECT_EQ(silent.punctures.size(), in_spine.facts.punctures.size());
+  const auto in_head = drilled().run(catheter(R"({"at": "monro_right"})"));
+  ASSERT_EQ(in_head.facts.passes.size(), 1u);
+  EXPECT_EQ(drilled().facts_with_silence<lessons::VentriculostomyFacts>(in_head.recording).passes.size(), 1u);
+}
+
 TEST(LessonsTeleport, AWholeLessonThatWasShrunkIsRefused) {
   Head whole(Kind::whole);
   const auto d =

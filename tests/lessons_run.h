@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 // Lessons done through the servo and scored, whatever the phantom and the module.
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "case_samples.h"
 #include "lessons/lesson_run.h"
@@ -58,6 +60,21 @@ class LessonCase {
   session::FeltCase& felt() { return *felt_; }
   const voxel::HapticVolume& whole() const { return whole_; }
   const std::filesystem::path& path() const { return folder_.path(); }
+  /// What the lesson's module notes where the device is silent for 60 ticks while the tool is in the patient.
+  template <class Facts>
+  Facts facts_with_silence(haptics::Recording recording) {
+    std::vector<haptics::ServoFrame*> in;
+    for (haptics::ServoFrame& f : recording.frames)
+      if (f.inside != 0) in.push_back(&f);
+    for (haptics::ServoFrame *first = in.at(in.size() / 2), *f = first; f < first + 60; ++f) {
+      f->faults = haptics::haptic_fault::gap;
+      f->buttons |= haptics::haptic_button::lifted;
+      f->inside = f->touched = 0;
+      std::copy((first - 1)->tip_mm, (first - 1)->tip_mm + 3, f->tip_mm);
+      std::copy(f->tip_mm, f->tip_mm + 3, f->proxy_mm);
+    }
+    return facts_of<Facts>(recording);
+  }
 
  protected:
   /// Does the steps through the servo.

@@ -54,6 +54,11 @@ TEST(LessonsSubclavian, APerfectOneScoresFiveAndIsGreen) {
   }
 }
 
+TEST(LessonsSubclavian, ASilentDeviceMakesNoSecondPass) {
+  const Chest::Done d = chest().run(puncture() + R"(, "aspirate", "finish")");
+  EXPECT_EQ(chest().facts_with_silence<lessons::SubclavianFacts>(d.recording).passes.size(), 1u);
+}
+
 TEST(LessonsSubclavian, ScoredAgainItIsTheSameAndItReplaysBitForBit) {
   Chest::Done d = chest().run(puncture() + R"(, "aspirate", "finish")");
   const auto json = [](const Chest::Done& x) {

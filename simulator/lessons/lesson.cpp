@@ -38,6 +38,16 @@ void Lesson::look_for_cut(const haptics::ServoFrame& f, const haptics::ToolBelt&
   if (cut) facts.first_cut_s = f.time_s;
 }
 
+bool Lesson::waits(const haptics::ServoFrame& f, const haptics::ToolBelt& belt) {
+  return belt.paused() || (f.faults & haptics::haptic_fault::gap);
+}
+
+bool Lesson::taken_away(const haptics::ServoFrame& f, const haptics::ToolBelt& belt, Vec3 last_mm) {
+  if (f.faults & haptics::haptic_fault::gap) return false;  // which says that it is lifted, too
+  const Vec3 tip{f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]};
+  return f.buttons & haptics::haptic_button::lifted || (belt.paused() && norm(tip - last_mm) > withdrawn_mm);
+}
+
 double LessonFacts::procedure_s() const { return std::round(1e6 * (end_s - begin_s - paused_s)) / 1e6; }
 
 void Lesson::set_second(const haptics::RecordedSecondHand& held, std::uint64_t spared) {

@@ -11,7 +11,6 @@ namespace trephine::lessons {
 namespace {
 
 constexpr double path_step_mm = 0.25;
-constexpr double withdrawn_mm = 1;  // behind the place of entry: the tip is out
 constexpr double arm_step_deg = 5;
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
@@ -122,11 +121,8 @@ void SpineNeedle::tick(const haptics::ServoFrame& f, const haptics::ToolBelt& be
     s.needle_mm = tool.tool_diameter_mm;
     s.length_mm = tool.tool_length_mm;
   }
-  // A needle that was lifted away, or moved in a pause, comes again from elsewhere.
-  const bool elsewhere =
-      f.buttons & haptics::haptic_button::lifted || (belt.paused() && norm(tip - last_.tip_mm) > withdrawn_mm);
-  if (f.inside == 0 && elsewhere) end_both();
-  if (belt.paused()) return;
+  if (f.inside == 0 && taken_away(f, belt, last_.tip_mm)) end_both();
+  if (waits(f, belt)) return;
   const NeedlePoint now{f.time_s, tip, axis, f.inside};
   if (in_bone_.open || in_patient_.open || f.inside != 0) last_ = now;
   follow(in_bone_, f.inside == bone_, tool);

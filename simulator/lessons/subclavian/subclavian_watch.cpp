@@ -7,7 +7,6 @@ namespace trephine::lessons {
 namespace {
 
 constexpr double path_step_mm = 0.25;
-constexpr double withdrawn_mm = 1;  // before the place of entry: nearer to it, in nothing, the tip is out
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
@@ -30,11 +29,8 @@ Subclavian::Subclavian(const cases::CaseManifest& manifest, const voxel::HapticV
 
 void Subclavian::tick(const haptics::ServoFrame& f, const haptics::ToolBelt& belt, bool) {
   const Vec3 tip = vec(f.proxy_mm);
-  // A needle that was lifted away, or moved in a pause, comes again from elsewhere.
-  const bool elsewhere =
-      f.buttons & haptics::haptic_button::lifted || (belt.paused() && norm(tip - last_.tip_mm) > withdrawn_mm);
-  if (in_ && f.inside == 0 && elsewhere) end_pass(f.time_s, false);
-  if (belt.paused()) return;
+  if (in_ && f.inside == 0 && taken_away(f, belt, last_.tip_mm)) end_pass(f.time_s, false);
+  if (waits(f, belt)) return;
   // The tip pops through by some millimetres: it entered where it was held before.
   const Vec3 before = held_tip_;
   held_tip_ = tip;

@@ -14,7 +14,6 @@ constexpr double lift_s = 0.3, lift_mm = 5;  // a marker that leaves the skin fo
 constexpr double path_step_mm = 0.25;        // of a catheter's way
 constexpr double look_each_s = 0.25;         // while the burr runs
 constexpr double site_mm = 20;               // nearer to where the burr began it is the same hole
-constexpr double withdrawn_mm = 1;           // before the place of entry: nearer to it, in nothing, the tip is out
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
@@ -106,15 +105,10 @@ void Ventriculostomy::tick(const haptics::ServoFrame& f, const haptics::ToolBelt
   drill(f, belt, pedal && tool.cuts);
   dura_.tick(f, pedal && tool.cuts, facts_.dura);
   const bool catheter = is_catheter(tool);
-  if (catheter && !belt.paused())
+  if (catheter && !waits(f, belt))
     pass(f);
-  else if (in_brain_ && !(catheter && stays(f)))
+  else if (in_brain_ && (!catheter || taken_away(f, belt, last_tip_.tip_mm)))
     end_pass(f.time_s, false);
-}
-
-// In a pause the catheter stays where it is, unless it is lifted or moved.
-bool Ventriculostomy::stays(const haptics::ServoFrame& f) const {
-  return !(f.buttons & haptics::haptic_button::lifted) && norm(vec(f.proxy_mm) - last_tip_.tip_mm) <= withdrawn_mm;
 }
 
 void Ventriculostomy::command(int command, const haptics::ServoFrame& f, const haptics::ToolBelt& belt) {

@@ -109,7 +109,6 @@ class Ventriculostomy : public Lesson {
   void pass(const haptics::ServoFrame& f);
   void end_trace();
   void end_pass(double time_s, bool in_place);
-  bool stays(const haptics::ServoFrame& f) const;
 
   const cases::CaseManifest& manifest_;
   const voxel::HapticVolume& before_;
