@@ -14,6 +14,7 @@
 #include "base/text.h"
 #include "base/text_table.h"
 #include "base/write_file.h"
+#include "pipeline/executor.h"
 #include "stages/warning_kind.h"
 
 namespace trephine::library {
@@ -69,7 +70,8 @@ void read_run(const fs::path& file, CaseRow& row) {
     row.peak_memory_mb = json.value("peak_memory_mb", 0.0);
     const Json stages = json.value("stages", Json::object());
     for (const auto& [name, stage] : stages.items())
-      if (stage.at("state") == "computed") row.stage_seconds.emplace_back(name, stage.at("seconds").get<double>());
+      if (stage.at("state") == pipeline::name_of(pipeline::NodeResult::State::computed))
+        row.stage_seconds.emplace_back(name, stage.at("seconds").get<double>());
   } catch (const nlohmann::json::exception&) {
     row.warnings.clear();
   } catch (const Error&) {

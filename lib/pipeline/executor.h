@@ -47,6 +47,11 @@ struct NodeResult : stages::StageOutcome {
   /// The data, from memory or read back from disk, which is done anew at each call. Throws as SpilledData does.
   stages::StageData loaded() const;
 };
+/// "not needed", "computed" or "cached", as run.json names it.
+constexpr const char* name_of(NodeResult::State state) {
+  constexpr const char* names[] = {"not needed", "computed", "cached"};
+  return names[static_cast<int>(state)];
+}
 
 /// What a case asks of what some nodes make, by node: throws Error 80 where it is not so, with the field that it names.
 using Asked = std::map<int, std::function<void(const NodeResult& made)>>;

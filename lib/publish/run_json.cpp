@@ -20,18 +20,6 @@ double peak_memory_mb(int who) {
   return double(usage.ru_maxrss) / 1024;
 }
 
-const char* to_text(pipeline::NodeResult::State state) {
-  switch (state) {
-    case pipeline::NodeResult::State::not_needed:
-      return "not needed";
-    case pipeline::NodeResult::State::computed:
-      return "computed";
-    case pipeline::NodeResult::State::cached:
-      return "cached";
-  }
-  return "";
-}
-
 }  // namespace
 
 std::string run_json(const pipeline::Graph& graph, const std::vector<pipeline::NodeResult>& results,
@@ -58,7 +46,7 @@ std::string run_json(const pipeline::Graph& graph, const std::vector<pipeline::N
   json["folder"] = Json::parse(stages::report_json(folder));
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
     Json& stage = json["stages"][graph.nodes[i].name];
-    stage["state"] = to_text(results[i].state);
+    stage["state"] = pipeline::name_of(results[i].state);
     stage["seconds"] = results[i].seconds;
     if (results[i].state == pipeline::NodeResult::State::computed) stage["kept"] = results[i].kept;
     stage["report"] = Json::parse(stages::report_json(results[i].report()));
