@@ -13,7 +13,6 @@
 namespace trephine::findings {
 namespace {
 
-constexpr int rays = 16000;
 constexpr double step_mm = 0.5, reach_mm = 45;
 // Below the vault the occipital bone is looked through from the cerebellum: backwards, between the foramen magnum and
 // the inion, through the muscles of the nape.
@@ -96,26 +95,23 @@ std::vector<Seen> bone_gaps(const Inside& in, const grid::HuVolume& volume, cons
     if (met.is != Ray::gap) return;
     const double out = norm(met.at_mm - middle);
     at.push_back(met.at_mm);
-    area.push_back(4 * pi / rays * out * out);
+    area.push_back(direction_sr * out * out);
   };
   const Vec3 middle = in.envelope.centre_mm();
-  for (int n = 0; n < rays; ++n) {  // evenly over the sphere, along a spiral
-    const double z = 1 - 2 * (n + 0.5) / rays, r = std::sqrt(1 - z * z), turn = pi * (3 - std::sqrt(5.0)) * n;
-    const Vec3 way{r * std::cos(turn), r * std::sin(turn), z};
-    if (in.place.sure ? in.place.to_template(middle + way * 70).z >= vault_mm : z >= 0.35) look(middle, way, reach_mm);
-  }
+  const std::vector<Vec3> directions = even_directions();
+  for (const Vec3& way : directions)
+    if (in.place.sure ? in.place.to_template(middle + way * 70).z >= vault_mm : way.z >= 0.35)
+      look(middle, way, reach_mm);
   const std::size_t of_vault = at.size();
   if (in.place.sure) {
     const Vec3 cerebellum = in.place.to_lps(cerebellum_mm);
-    for (int n = 0; n < rays; ++n) {
-      const double z = 1 - 2 * (n + 0.5) / rays, r = std::sqrt(1 - z * z), turn = pi * (3 - std::sqrt(5.0)) * n;
-      const Vec3 way{r * std::cos(turn), r * std::sin(turn), z};
+    for (const Vec3& way : directions) {
       const Vec3 towards = normalized(in.place.to_template(cerebellum + way * 50) - cerebellum_mm);
       if (towards.y > backwards && towards.z < most_up && towards.z > -most_down) look(cerebellum, way, nape_mm);
     }
   }
   // Rays that lie beside each other are one gap.
-  const double near_mm = 2.2 * 75 * std::sqrt(4 * pi / rays);
+  const double near_mm = 2.2 * 75 * std::sqrt(direction_sr);
   std::vector<int> of(at.size(), -1);
   std::vector<Seen> all;
   int gaps = 0;

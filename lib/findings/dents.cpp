@@ -15,7 +15,6 @@
 namespace trephine::findings {
 namespace {
 
-constexpr int rays = 16000;
 constexpr double inner_mm = 40, outer_mm = 125, step_mm = 0.4;  ///< from the middle of the head
 constexpr double ring_mm[2] = {11, 18};                         ///< what a ray is compared with
 constexpr std::size_t sectors = 8;
@@ -69,11 +68,8 @@ std::vector<Seen> bone_dents(const Inside& in, const grid::Field& skull, const g
   const craniometry::FieldView bone(skull, scan);
   const Vec3 middle = in.envelope.centre_mm();
   std::vector<Ray> all;
-  for (int n = 0; n < rays; ++n) {  // evenly over the sphere, along a spiral
-    const double z = 1 - 2 * (n + 0.5) / rays, r = std::sqrt(1 - z * z), turn = pi * (3 - std::sqrt(5.0)) * n;
-    const Vec3 way{r * std::cos(turn), r * std::sin(turn), z};
+  for (const Vec3& way : even_directions())
     if (in.place.to_template(middle + way * 70).z >= vault_mm) all.push_back({way});
-  }
   parallel_for(0, std::int64_t(all.size()), 64, [&](std::int64_t from, std::int64_t to) {
     for (std::int64_t n = from; n < to; ++n) all[std::size_t(n)] = ray_along(bone, middle, all[std::size_t(n)].way);
   });
@@ -107,7 +103,7 @@ std::vector<Seen> bone_dents(const Inside& in, const grid::Field& skull, const g
                                ray.outer - ray.inner < max_thickness * mask::median(thickness, 0);
     }
   });
-  const double near_mm = 2.2 * 75 * std::sqrt(4 * pi / rays);
+  const double near_mm = 2.2 * 75 * std::sqrt(direction_sr);
   std::vector<Seen> found;
   for (std::size_t first = 0; first < all.size(); ++first) {
     if (!dented[first]) continue;
@@ -120,7 +116,7 @@ std::vector<Seen> bone_dents(const Inside& in, const grid::Field& skull, const g
     double cm2 = 0, depth = 0;
     for (const std::size_t m : members) {
       points.push_back(middle + all[m].way * all[m].outer);
-      cm2 += 4 * pi / rays * all[m].outer * all[m].outer / 100;
+      cm2 += direction_sr * all[m].outer * all[m].outer / 100;
       depth = std::max(depth, all[m].depth);
     }
     const Extent e = extent_of(points);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 // How find_findings looks for each kind; for the sources of this room only.
+#include "base/pi.h"
 #include "findings/findings.h"
 #include "mask/coarse.h"
 #include "place/place_head.h"
@@ -15,6 +16,11 @@ constexpr double vessels_ml = 0.65;
 /// Of the template, 70 mm from the middle of the head: from here on a ray meets the vault. Below lie orbits, ears and
 /// thin temporal bone.
 constexpr double vault_mm = 52;
+
+/// Unit vectors that lie evenly over the sphere, along a spiral, and what each has of it.
+constexpr int directions_count = 16000;
+constexpr double direction_sr = 4 * pi / directions_count;
+std::vector<Vec3> even_directions();
 
 /// The inside of the head on cells of about 1.5 mm.
 struct Inside {

@@ -98,6 +98,17 @@ Inside inside_of(const grid::HuVolume& volume, const FindingShapes& shapes, cons
   return in;
 }
 
+std::vector<Vec3> even_directions() {
+  std::vector<Vec3> all;
+  all.reserve(directions_count);
+  for (int n = 0; n < directions_count; ++n) {
+    const double z = 1 - 2 * (n + 0.5) / directions_count, r = std::sqrt(1 - z * z),
+                 turn = pi * (3 - std::sqrt(5.0)) * n;
+    all.push_back({r * std::cos(turn), r * std::sin(turn), z});
+  }
+  return all;
+}
+
 Extent extent_of(const std::vector<Vec3>& points) {
   Extent e;
   e.count = double(points.size());
