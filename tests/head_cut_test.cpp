@@ -2,10 +2,12 @@
 // Heads that the field of view cuts: what is said of brain and dura, and what is no cavity any more.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <string>
 
 #include "base/error.h"
+#include "base/pi.h"
 #include "head/head_region.h"
 #include "mask/hu_view.h"
 #include "phantom/head.h"
@@ -94,6 +96,19 @@ TEST(HeadCut, RowsOrColumnsAtAWrongDistanceMakeOneToo) {
   EXPECT_EQ(warned(1, 0.95), 0);
   EXPECT_EQ(warned(0, 0.7), 1) << "columns";
   EXPECT_EQ(warned(1, 0.7), 1) << "rows";
+}
+
+TEST(HeadCut, AHeadThatIsTurnedOnTheCouchHasItsProportions) {
+  grid::HuVolume volume = whole();
+  const double turn = 50 * pi / 180;
+  std::visit(
+      [&](auto& g) {
+        g.direction.column[0] = {std::cos(turn), std::sin(turn), 0};
+        g.direction.column[1] = {-std::sin(turn), std::cos(turn), 0};
+      },
+      volume);
+  const auto region = head::head_region(volume, {});
+  EXPECT_NEAR(*region.result.cavity_length_ratio, *head::head_region(whole(), {}).result.cavity_length_ratio, 0.02);
 }
 
 TEST(HeadCut, HalfAHeadHasNoZones) {

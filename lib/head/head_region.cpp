@@ -144,8 +144,9 @@ void add_padded(const mask::HuView& hu, const mask::CoarseRaster& raster, const 
 }
 
 /// How high and how long the cavity is, by how wide, by its moments. A nod adds of its length to its height: a usual
-/// head that looks straight up has 1.25, a long narrow one 1.4. Its length is along the axis of its section that is
-/// nearer to the patient's front.
+/// head that looks straight up has 1.25, a long narrow one 1.4. Its length is along the longer
+/// axis of its section, whichever way the head is turned; only where that lies within 30 degrees of left and right is
+/// it the width, which a wrong distance of columns makes the longer.
 struct Proportions {
   double height_ratio = 0, length_ratio = 0;
 };
@@ -163,7 +164,7 @@ Proportions proportions_of(const mask::BitMask& cavity) {
   const double middle = 0.5 * (xx + yy), apart = std::hypot(0.5 * (xx - yy), xy);
   const double narrow = middle - apart, wide = middle + apart;  // of the axes of its section
   if (!(narrow > 0)) return {};
-  return {std::sqrt(zz / narrow), std::sqrt(yy >= xx ? wide / narrow : narrow / wide)};
+  return {std::sqrt(zz / narrow), std::sqrt(yy - xx >= -apart ? wide / narrow : narrow / wide)};
 }
 
 }  // namespace

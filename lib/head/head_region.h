@@ -55,11 +55,10 @@ struct HeadRegionResult {
 /// show: the vertex or the base of the skull (the cavity reaches the volume's end), the skin of the vertex (tissue
 /// reaches it), or a side of the head that the field of view cuts by more than 150 mm2, be it the volume's side or
 /// padding (mask/field_edge.h), above the foramen magnum. Brain and dura are cut there, too, where the cavity, followed
-/// by 16 mm to the field's edge as far as no bone lies between, has 300 mm2 at it. A cavity
-/// that is not cut and is flatter, taller, longer or wider than heads are is said, as of slices, rows or columns whose
-/// distance is wrong. Where no
-/// space enclosed by bone is found, the volume stays as it is and a warning says so. Throws Error 65 where a voxel is
-/// not finite; Cancelled. The result has the same bits whatever the thread count.
+/// by 16 mm to the field's edge as far as no bone lies between, has 300 mm2 at it. A cavity that is not cut and is
+/// flatter, taller, longer or wider than heads are is said, as of slices, rows or columns whose distance is wrong.
+/// Where no space enclosed by bone is found, the volume stays as it is and a warning says so. Throws Error 65 where a
+/// voxel is not finite; Cancelled. The result has the same bits whatever the thread count.
 Outcome<grid::HuVolume, HeadRegionResult> head_region(const grid::HuVolume& volume, const HeadRegionParams& params,
                                                       const Progress& progress = {});
 

@@ -8,7 +8,7 @@ namespace trephine::stages {
 StageType head_region_stage() {
   StageType s;
   s.name = "head_region";
-  s.version = 7;
+  s.version = 8;
   s.typical.base_s = 0.05;
   s.typical.per_million_voxels_s = 0.02;
   s.place = StagePlace::scan;
