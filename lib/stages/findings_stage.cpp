@@ -16,14 +16,13 @@ StageType findings_stage() {
   s.place = StagePlace::scan;
   s.check.serves = "what of the head a person should look at";
   s.check.min_inputs = 2;
-  s.summary = "says what of a head should be looked at: blood, dark tissue, shift, gaps of the bone, implants";
+  s.summary = "says what of a head should be looked at: blood, dark tissue, air, shift, gaps of the bone, implants";
   s.description =
       "Measures what speaks against a usual head: tissue as dense as fresh blood in the ventricles, in the brain or "
-      "beside it, dark tissue of the brain, a shift of the midline, wide ventricles, gaps and round dents in the bone "
-      "of the "
-      "vault, metal and tubes. Each has a place, its size in ml, mm or cm2, a confidence, and the anatomies that may "
-      "be wrong "
-      "because of it. Nothing is diagnosed, and a head without findings is not healthy because of that: it is for a "
+      "beside it, dark tissue of the brain, air inside the skull, a shift of the midline, wide ventricles, gaps and "
+      "round dents in the bone of the vault, metal and tubes. Each has a place, its size in ml, mm or cm2, a "
+      "confidence, and the anatomies that may be wrong because of it. Nothing is diagnosed, and a head without "
+      "findings is not healthy because of that: it is for a "
       "person to look at. The output has a label for the voxels of each.";
   s.examples = {
       "trephine findings head.nrrd --skull skull.nrrd --brain brain.nrrd --ventricles ventricles.nrrd --landmarks "
