@@ -229,6 +229,13 @@ int thick_axis(const grid::Lattice& lattice, const ShapeInterpolateParams& param
   return s[axis] > params.thicker_than_mm && s[axis] >= 1.5 * within && lattice.size[axis] > 1 ? axis : -1;
 }
 
+int interpolated_steps(const grid::Lattice& lattice, const ShapeInterpolateParams& params) {
+  if (thick_axis(lattice, params) < 0) return 1;
+  const double thick_mm = std::max({lattice.spacing_mm.x, lattice.spacing_mm.y, lattice.spacing_mm.z});
+  const int n = std::max(3, int(std::ceil(thick_mm / params.step_mm - 1e-9)));
+  return n + (n % 2 == 0);  // odd, so that half a given step is a whole number of new ones and half of one
+}
+
 Outcome<std::shared_ptr<const grid::Field>, ShapeInterpolateResult> shape_interpolate(
     const std::shared_ptr<const grid::Field>& whole, const ShapeInterpolateParams& params, const Progress& progress) {
   const grid::Field& given = *whole;
@@ -242,8 +249,7 @@ Outcome<std::shared_ptr<const grid::Field>, ShapeInterpolateResult> shape_interp
   if (axis < 0) return {whole, {step_before_mm, step_before_mm}, std::move(warnings)};
   const grid::Field field = with_last_axis(given, axis, 2);
   const double step_mm = field.spacing_mm.z, reach_mm = params.reach_steps * step_mm;
-  int n = std::max(3, int(std::ceil(step_mm / params.step_mm - 1e-9)));
-  n += n % 2 == 0;  // odd, so that half a given step is a whole number of new ones and half of one
+  const int n = interpolated_steps(given, params);
   const grid::Field shape_mm = outline_distance_mm(field, reach_mm, progress);
   const grid::Field thickness =
       thickness_weight(shape_mm, std::min(params.thin_steps * step_mm, 0.99 * reach_mm), progress);

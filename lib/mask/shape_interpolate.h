@@ -67,4 +67,7 @@ Outcome<std::shared_ptr<const grid::Field>, ShapeInterpolateResult> shape_interp
 /// The axis (0, 1, 2) whose steps are thick by `params`; -1 where none is.
 int thick_axis(const grid::Lattice& lattice, const ShapeInterpolateParams& params);
 
+/// How many steps of the result lie in one of the lattice along its thick axis: odd; 1 where none is thick.
+int interpolated_steps(const grid::Lattice& lattice, const ShapeInterpolateParams& params);
+
 }  // namespace trephine::mask

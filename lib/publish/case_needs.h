@@ -9,6 +9,7 @@
 
 #include "base/report.h"
 #include "config/config.h"
+#include "mask/shape_interpolate.h"
 
 namespace trephine::publish {
 
@@ -43,17 +44,20 @@ struct ScanRaster {
   std::uint64_t count() const;
   /// On voxels of these sizes; 0 keeps an axis as it is.
   ScanRaster on_voxels(const std::array<double, 3>& spacing_mm) const;
+  /// At most so long along each axis.
+  ScanRaster within(double length_mm) const;
 };
 ScanRaster raster_of(const dicom::ImportFigures& scan);
 
 /// What memory the case will take, and how much there is; empty for scans of less than a million voxels. `scan` as it
-/// was read, `used` as it goes into the stages.
+/// was read, `used` as it goes into the stages; `interpolated` where slices are added to what is segmented.
 struct MemoryNeed {
   std::string text;
   /// Where there is too little: what to do. Larger voxels are named where the estimate then fits.
   std::string remedy;
 };
-MemoryNeed memory_need(const ScanRaster& scan, const ScanRaster& used, std::size_t anatomies_count);
+MemoryNeed memory_need(const ScanRaster& scan, const ScanRaster& used, std::size_t anatomies_count,
+                       const mask::ShapeInterpolateParams* interpolated);
 
 /// From now on what a stage frees in large blocks goes back to the system at once, and is not kept for the next one:
 /// in a scan of 50 million voxels this saves 120 MB for one second of work. A small scan changes nothing. It holds for

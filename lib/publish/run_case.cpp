@@ -14,6 +14,7 @@
 #include "base/write_file.h"
 #include "cases/case.h"
 #include "grid/resample.h"
+#include "head/head_region.h"
 #include "page/page_notes.h"
 #include "publish/case_content.h"
 #include "publish/case_needs.h"
@@ -209,10 +210,15 @@ void check_needs(const RunRequest& request, const config::CaseConfig& config, co
   give_large_blocks_back(raster);
   const std::size_t anatomies = wanted_anatomies(config).size();
   const int resample = graph.find_stage<grid::ResampleParams>();
-  const ScanRaster used =
-      resample < 0 ? raster
-                   : raster.on_voxels(graph.nodes[std::size_t(resample)].params.as<grid::ResampleParams>().spacing_mm);
-  const MemoryNeed memory = memory_need(raster, used, anatomies);
+  ScanRaster used = raster;
+  if (resample >= 0)
+    used = used.on_voxels(graph.nodes[std::size_t(resample)].params.as<grid::ResampleParams>().spacing_mm);
+  constexpr double head_mm = 260;  // what is left of a scan that is cut to the head
+  if (graph.find_stage<head::HeadRegionParams>() >= 0) used = used.within(head_mm);
+  const int finer = graph.find_stage<mask::ShapeInterpolateParams>();
+  const MemoryNeed memory =
+      memory_need(raster, used, anatomies,
+                  finer < 0 ? nullptr : &graph.nodes[std::size_t(finer)].params.as<mask::ShapeInterpolateParams>());
   if (!memory.remedy.empty())
     log_warning(config.case_token + ": " + memory.text + ": " + memory.remedy);
   else if (!memory.text.empty())
