@@ -27,6 +27,15 @@ std::filesystem::path numbered(const std::filesystem::path& file, int n) {
   return file.parent_path() / (file.stem().string() + "-" + std::to_string(n) + file.extension().string());
 }
 
+// With what force a tool goes through bone while tissue holds its tip and its whole shaft; 0: it pierces nothing.
+double piercing_n(const haptics::BeltToolParams& tool, const cases::CaseHaptic& haptic) {
+  if (!(tool.pierce_n > 0)) return 0;
+  double held_n = 0;
+  for (const cases::CaseShape& s : haptic.shapes)
+    held_n = std::max(held_n, s.material.tip_force_n + s.material.shaft_friction_n_per_mm * tool.tool_length_mm);
+  return more_than_pierce * tool.pierce_n + held_n;
+}
+
 std::vector<texts::NoteId> words_of(std::uint32_t faults) {
   std::vector<texts::NoteId> words;
   for (int n = 0; n < haptics::haptic_fault::count; ++n)
@@ -340,7 +349,9 @@ void LiveSession::follow_lesson(const std::vector<haptics::ServoFrame>& frames) 
 }
 
 // A hand of mouse and keyboard usually presses no harder than a burr needs, which would never pierce bone.
-void LiveSession::press_as_needed() { hand.pull_at_least(lesson_ ? more_than_pierce * lesson_->tool().pierce_n : 0); }
+void LiveSession::press_as_needed() {
+  hand.pull_at_least(lesson_ ? piercing_n(lesson_->tool(), patient_->felt.loaded.manifest.haptic) : 0);
+}
 
 // What a marker draws without a lesson.
 void LiveSession::ink(const haptics::ServoFrame& f) {
