@@ -36,8 +36,9 @@ std::vector<Vec3> closed_path(std::mt19937_64& rng) {
     at = to;
     if (rng() % 3 == 0) path.insert(path.end(), std::size_t(uniform(rng, 0, 100) * fine), at);
   };
+  // A wall that rises with the force's ramp while the tool is in it gives what the rise adds: once, after the start.
   const Vec3 begin = at;
-  path.push_back(at);
+  path.assign(std::size_t(1200 * device_limits().ramp_s) * fine, at);
   for (int n = 1 + int(rng() % 6); n > 0; --n) {
     go({uniform(rng, -6, 6), uniform(rng, -6, 6), -std::pow(10.0, uniform(rng, -1, 0.78))});
     if (rng() % 2) go({uniform(rng, -6, 6), uniform(rng, -6, 6), uniform(rng, 0.2, 3)});

@@ -54,7 +54,10 @@ struct ForceParams {
     v.number(&P::max_force_n, "max_force_n", Range{0.01, 100}, "Largest force that the device is asked for.");
     v.number(&P::max_force_rate_n_per_s, "max_force_rate_n_per_s", Range{1, 1e6},
              "Largest rate at which the force may change.");
-    v.number(&P::ramp_s, "ramp_s", Range{0, 10}, "Time over which forces rise to their full size after the start.");
+    v.number(
+        &P::ramp_s, "ramp_s", Range{0, 10},
+        "Time over which forces rise to their full size after the start. A hand that is in a wall meanwhile is given "
+        "what the rise adds.");
     v.number(&P::velocity_cutoff_hz, "velocity_cutoff_hz", Range{0, 1e5},
              "Cutoff of the low-pass filter on the velocity for dampers and drag; 0: no filter.");
     v.number(&P::max_torque_n_mm, "max_torque_n_mm", Range{0, 1e5},
