@@ -101,7 +101,7 @@ TEST(HapticsDrilling, AHandDrillsThroughAPlate) {
   for (const haptics::ServoFrame& f : frames) {
     const Vec3 is{f.force_n[0], f.force_n[1], f.force_n[2]};
     EXPECT_LE(norm(is), s.force.max_force_n + 1e-12);
-    EXPECT_LE(norm(is - last), s.force.max_force_rate_n_per_s * 0.001 + 1e-9) << f.tick;
+    EXPECT_LE(norm(is - last), s.force.force_rate_n_per_s() * 0.001 + 1e-9) << f.tick;
     EXPECT_EQ(f.faults, 0u);
     last = is;
   }
@@ -149,7 +149,7 @@ TEST(HapticsDrilling, BoneThatVanishesUnderTheTip) {
     const haptics::HapticState& is = proxy.update(in);
     drilling->tick(in, is);
     force = is.force_n;
-    ASSERT_LE(norm(force - before), s.force.max_force_rate_n_per_s * 0.001 + 1e-9) << n;
+    ASSERT_LE(norm(force - before), s.force.force_rate_n_per_s() * 0.001 + 1e-9) << n;
     most = std::max(most, norm(force));
     ASSERT_GE(energy, -1e-6) << n;
   }

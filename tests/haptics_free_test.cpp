@@ -100,7 +100,7 @@ TEST(HapticsFree, ItKeepsTheLimitsAndReplays) {
   for (const haptics::ServoFrame& f : frames) {
     const double force = norm(Vec3{f.force_n[0], f.force_n[1], f.force_n[2]});
     EXPECT_LE(force, limits.max_force_n + 1e-9);
-    EXPECT_LE(std::abs(force - before), 1e-3 * limits.max_force_rate_n_per_s + 1e-9);
+    EXPECT_LE(std::abs(force - before), 1e-3 * limits.force_rate_n_per_s() + 1e-9);
     most = std::max(most, before = force);
   }
   EXPECT_GT(most, 0.99 * limits.max_force_n);

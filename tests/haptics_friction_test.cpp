@@ -137,7 +137,7 @@ TEST(HapticsFriction, AStallGivesNoStepOfTheForce) {
     for (int n = 0; n < 20; ++n) tick(before_mm, 0.001);
     const double was = proxy.state().force_n.z, holds = was * device::ForceHold().share(0.05);
     EXPECT_NEAR(was, before_mm, 0.01);
-    EXPECT_LE(tick(3.3, 0.05), holds + limits.max_force_rate_n_per_s * 0.001 + 1e-9) << "50 ms later";
+    EXPECT_LE(tick(3.3, 0.05), holds + limits.force_rate_n_per_s() * 0.001 + 1e-9) << "50 ms later";
     for (int n = 0; n < 10; ++n) tick(3.3, 0.001);
     EXPECT_NEAR(proxy.state().force_n.z, 3.3, 0.01);
   }

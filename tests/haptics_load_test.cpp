@@ -69,7 +69,7 @@ TEST(HapticsLoad, AnOverrunIsCountedAndGivesNoJump) {
     EXPECT_EQ(b.faults, 0u);
     // After a late tick the device holds less; from there the force goes on as in one tick.
     const double holds = a.force_n[2] * (b.dt_s > 0.0015 ? device::ForceHold().share(b.dt_s) : 1);
-    EXPECT_LE(std::abs(b.force_n[2] - holds), force.max_force_rate_n_per_s * 0.001 + 1e-9) << n;
+    EXPECT_LE(std::abs(b.force_n[2] - holds), force.force_rate_n_per_s() * 0.001 + 1e-9) << n;
     if (n % 50 == 0) long_steps += b.dt_s > 0.0195;  // the tick after a slow one
   }
   EXPECT_EQ(long_steps, 7);
@@ -145,7 +145,7 @@ TEST(HapticsLoad, DrillingThroughUnderContactOnABusyMachine) {
   for (const haptics::ServoFrame& f : frames) {
     const Vec3 is{f.force_n[0], f.force_n[1], f.force_n[2]};
     const Vec3 holds = last * (f.dt_s > 0.0015 ? device::ForceHold().share(f.dt_s) : 1);
-    EXPECT_LE(norm(is - holds), force.max_force_rate_n_per_s * 0.001 + 1e-9) << f.tick;
+    EXPECT_LE(norm(is - holds), force.force_rate_n_per_s() * 0.001 + 1e-9) << f.tick;
     EXPECT_EQ(f.faults, 0u);
     EXPECT_GT(f.proxy_mm[2], -5.1) << f.tick << ": through the lower floor";
     EXPECT_TRUE(f.tip_mm[2] > -5.1 || f.touched != 0) << f.tick << ": a contact was missed";

@@ -281,7 +281,7 @@ void episode(std::uint64_t seed, double seconds, Seen& seen) {
       if (f.faults != 0) {
         ASSERT_EQ(is, Vec3{}) << "seed " << seed;
       } else if (f.tick == next && f.tick > 0) {  // none was dropped between
-        ASSERT_LE(norm(is - last), force.max_force_rate_n_per_s * f.dt_s + 1e-9) << "seed " << seed;
+        ASSERT_LE(norm(is - last), force.force_rate_n_per_s() * f.dt_s + 1e-9) << "seed " << seed;
       }
       next = f.tick + 1;
       last = is;

@@ -137,7 +137,7 @@ TEST(HapticsTool, ACatheterInAHoleAlmostAsWide) {
       proxy.update(pose(tip, axis));
       ASSERT_TRUE(is_finite(s.force_n) && is_finite(s.proxy_mm) && is_finite(s.axis));
       ASSERT_LE(norm(s.force_n), limits.max_force_n + 1e-12);
-      ASSERT_LE(norm(s.force_n - last), limits.max_force_rate_n_per_s * 0.001 + 1e-12);
+      ASSERT_LE(norm(s.force_n - last), limits.force_rate_n_per_s() * 0.001 + 1e-12);
       ASSERT_EQ(points_in(proxy, contact, 2), 0) << "a point is in the wall";
       last = s.force_n;
       events |= s.events;

@@ -80,7 +80,7 @@ TEST(Lessons, APerfectOneScoresFiveInAllRowsAndReplaysBitForBit) {
   EXPECT_EQ(json_of(d), json_of(read));
 
   // Forces keep to the device's limits over every change of the tool.
-  const double max_step = d.recording.header.force.max_force_rate_n_per_s / d.recording.header.rate_hz;
+  const double max_step = d.recording.header.force.force_rate_n_per_s() / d.recording.header.rate_hz;
   std::set<int> tools;
   for (std::size_t n = 1; n < d.recording.frames.size(); ++n) {
     const haptics::ServoFrame &a = d.recording.frames[n - 1], &b = d.recording.frames[n];

@@ -134,7 +134,7 @@ TEST(HapticsUndo, TheLastStrokeAndAllOfThem) {
   Vec3 last;
   for (const haptics::ServoFrame& f : r.frames) {
     const Vec3 is{f.force_n[0], f.force_n[1], f.force_n[2]};
-    ASSERT_LE(norm(is - last), s.force.max_force_rate_n_per_s * 0.001 + 1e-9) << f.tick;
+    ASSERT_LE(norm(is - last), s.force.force_rate_n_per_s() * 0.001 + 1e-9) << f.tick;
     ASSERT_EQ(f.faults, 0u);
     last = is;
   }

@@ -77,7 +77,7 @@ const HapticState& DevicePort::after(const HapticInput& in, const HapticState& s
   Vec3 force = share > 0 ? state.force_n * share : Vec3{};
   if (share > 0 && share < 1) {  // while it comes back, too, the force changes no faster than it may
     const Vec3 step = force - sent_n_;
-    const double change = norm(step), most = force_.max_force_rate_n_per_s * period_s;
+    const double change = norm(step), most = force_.force_rate_n_per_s() * period_s;
     if (change > most) force = sent_n_ + step * (most / change);
   }
   if (passivity_ && state.faults == 0) {

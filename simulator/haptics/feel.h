@@ -42,18 +42,23 @@ inline contact::TouchableFaces touchable_of(const Feels& feels) {
 /// Limits on the force of the device, and how forces rise and fall.
 struct ForceParams {
   enum class Shape { cosine, line, snap };
-  double max_force_n = 3.3, max_force_rate_n_per_s = 1000;
+  double max_force_n = 3.3, max_force_rate_n_per_s = 0;
   double ramp_s = 0.5, velocity_cutoff_hz = 100;
   double max_torque_n_mm = 180, turn_stiffness_n_mm_per_rad = 200;
   double max_step_s = 1;
   double release_s = 0.02, event_s = 0.01;
   Shape event_shape = Shape::cosine;
+  double force_rate_n_per_s() const {
+    return max_force_rate_n_per_s > 0 ? max_force_rate_n_per_s : 1000 * (max_force_n / 3.3);
+  }
   template <class V>
   static void describe(V& v) {
     using P = ForceParams;
     v.number(&P::max_force_n, "max_force_n", Range{0.01, 100}, "Largest force that the device is asked for.");
-    v.number(&P::max_force_rate_n_per_s, "max_force_rate_n_per_s", Range{1, 1e6},
-             "Largest rate at which the force may change.");
+    v.number(
+        &P::max_force_rate_n_per_s, "max_force_rate_n_per_s", Range{0, 1e6},
+        "Largest rate at which the force may change; 0: max_force_n in 3.3 ms. Where a hand presses so that a wall "
+        "asks for more, the force lags behind it, and it swings.");
     v.number(
         &P::ramp_s, "ramp_s", Range{0, 10},
         "Time over which forces rise to their full size after the start. A hand that is in a wall meanwhile is given "

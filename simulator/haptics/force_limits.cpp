@@ -23,13 +23,13 @@ Vec3 stepped(Vec3 to, Vec3 sent, double most, const HapticInput& in) {
 }  // namespace
 
 Vec3 limited_force(const ForceParams& limits, Vec3 force, Vec3 sent, const HapticInput& in) {
-  return stepped(force, sent, limits.max_force_rate_n_per_s * period_of(in), in);
+  return stepped(force, sent, limits.force_rate_n_per_s() * period_of(in), in);
 }
 
 Vec3 limited_torque(const ForceParams& limits, Vec3 torque, Vec3 sent, const HapticInput& in) {
   const double size = norm(torque), most = limits.max_torque_n_mm;
   if (!(size <= most)) torque = std::isfinite(size) ? torque * (most / size) : Vec3{};
-  return stepped(torque, sent, most * limits.max_force_rate_n_per_s / limits.max_force_n * period_of(in), in);
+  return stepped(torque, sent, most * limits.force_rate_n_per_s() / limits.max_force_n * period_of(in), in);
 }
 
 }  // namespace trephine::haptics

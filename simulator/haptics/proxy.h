@@ -37,8 +37,8 @@ namespace trephine::haptics {
 /// The springs of a shape whose material relaxes do (tissue/relaxation.h), and a face then gives way at the force that
 /// is felt. A tip that has entered cuts its way on (tissue/cutting_tip.h).
 ///
-/// The force changes by at most max_force_rate_n_per_s times the loop's period a frame, however long the frame was.
-/// After a stall it starts from what the device still holds (ForceHold).
+/// The force changes by at most ForceParams::force_rate_n_per_s() times the loop's period a frame, however long the
+/// frame was. After a stall it starts from what the device still holds (ForceHold).
 ///
 /// The torque on the hand about the tip is that of the surfaces' forces where they press, and, where surfaces keep the
 /// tool from turning with the device, that of a spring between the two orientations. It has limits as the force has,

@@ -95,7 +95,7 @@ void ToolBelt::settle_force(const HapticInput& in, Vec3 sent) {
   }
   const double size = norm(left_n_);
   if (!(size > 0)) return;
-  const double most = force_.max_force_rate_n_per_s * (in.period_s > 0 ? in.period_s : in.dt_s);
+  const double most = force_.force_rate_n_per_s() * (in.period_s > 0 ? in.period_s : in.dt_s);
   left_n_ = size > most ? left_n_ * ((size - most) / size) : Vec3{};
   const Vec3 change = state_.force_n + left_n_ - sent;
   const double step = norm(change);
