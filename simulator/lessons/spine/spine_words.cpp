@@ -88,6 +88,7 @@ std::vector<LessonText> spine_words() {
       {"needle passes: {}, exposure {} s in {} shots, {}",
        "Durchgänge der Nadel: {}, Röntgen {} s in {} Aufnahmen, {}"},
       {"the needle lies in bone", "die Nadel liegt im Knochen"},
+      {"the needle's tip is outside of the bone", "die Spitze der Nadel liegt außerhalb des Knochens"},
       {"the needle lies in no bone", "die Nadel liegt in keinem Knochen"},
       {"errors of the screw: {}", "Fehler der Schraube: {}"},
       {"passes: {}, errors: {}, {}, grade {}", "Durchgänge: {}, Fehler: {}, {}, Grad {}"},

@@ -32,7 +32,8 @@ struct Rows {
   }
   // Why the needle does not lie where it should; empty: it does, as far as the case knows.
   std::string nowhere(int bone) const {
-    if (!pass || pass->path.back().inside != bone) return "no needle lies in bone";
+    if (!pass) return "no needle lies in bone";
+    if (pass->path.back().inside != bone) return "the needle's tip is outside of the bone";
     if (!doubt.empty()) return "";
     if (!at_it()) return not_there();
     if (errors.depth_mm < -rubric.depth_mm.two.limit) return "the tip does not reach the vertebra's body";
