@@ -308,16 +308,21 @@ TEST(LessonsTeleport, MovesThatNoHandMakesAreRefused) {
   EXPECT_EQ(judged(shrunk(4)), "judged");  // somebody may be that quick
 }
 
-// A device that is silent for a moment leaves the tool where it is: there is no second pass.
+// A device that is silent for a moment leaves the tool where it is: there is no second pass, and no faster one.
 TEST(LessonsTeleport, ASilentDeviceMakesNoSecondPass) {
   const auto in_spine = spine().run(needle());
   ASSERT_EQ(in_spine.facts.passes.size(), 1u);
-  const auto silent = spine().facts_with_silence<lessons::SpineNeedleFacts>(in_spine.recording);
+  const auto silent =
+      spine().facts_with_silence<lessons::SpineNeedleFacts>(in_spine.recording, in_spine.facts.fastest_s - 0.1);
   EXPECT_EQ(silent.passes.size(), 1u);
   EXPECT_EQ(silent.punctures.size(), in_spine.facts.punctures.size());
+  EXPECT_LE(silent.fastest_mm_per_s, 1.05 * in_spine.facts.fastest_mm_per_s);
   const auto in_head = drilled().run(catheter(R"({"at": "monro_right"})"));
   ASSERT_EQ(in_head.facts.passes.size(), 1u);
-  EXPECT_EQ(drilled().facts_with_silence<lessons::VentriculostomyFacts>(in_head.recording).passes.size(), 1u);
+  const auto head_silent =
+      drilled().facts_with_silence<lessons::VentriculostomyFacts>(in_head.recording, in_head.facts.fastest_s - 0.1);
+  EXPECT_EQ(head_silent.passes.size(), 1u);
+  EXPECT_LE(head_silent.fastest_mm_per_s, 1.05 * in_head.facts.fastest_mm_per_s);
 }
 
 TEST(LessonsTeleport, AWholeLessonThatWasShrunkIsRefused) {

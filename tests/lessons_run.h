@@ -60,18 +60,18 @@ class LessonCase {
   session::FeltCase& felt() { return *felt_; }
   const voxel::HapticVolume& whole() const { return whole_; }
   const std::filesystem::path& path() const { return folder_.path(); }
-  /// What the lesson's module notes where the device is silent for 60 ticks while the tool is in the patient.
+  /// What the lesson's module notes where the device is silent for 60 ticks from `at_s` on: the tool rests meanwhile
+  /// where it was.
   template <class Facts>
-  Facts facts_with_silence(haptics::Recording recording) {
-    std::vector<haptics::ServoFrame*> in;
-    for (haptics::ServoFrame& f : recording.frames)
-      if (f.inside != 0) in.push_back(&f);
-    for (haptics::ServoFrame *first = in.at(in.size() / 2), *f = first; f < first + 60; ++f) {
-      f->faults = haptics::haptic_fault::gap;
-      f->buttons |= haptics::haptic_button::lifted;
-      f->inside = f->touched = 0;
-      std::copy((first - 1)->tip_mm, (first - 1)->tip_mm + 3, f->tip_mm);
-      std::copy(f->tip_mm, f->tip_mm + 3, f->proxy_mm);
+  Facts facts_with_silence(haptics::Recording recording, double at_s) {
+    const auto first = std::find_if(recording.frames.begin(), recording.frames.end(),
+                                    [&](const haptics::ServoFrame& f) { return f.time_s >= at_s; });
+    for (auto f = first; f < first + 60; ++f) {
+      haptics::ServoFrame rests = first[-1];
+      rests.tick = f->tick, rests.time_s = f->time_s, rests.dt_s = f->dt_s;
+      rests.faults = haptics::haptic_fault::gap;
+      rests.buttons &= haptics::belt_button::tool_mask << haptics::belt_button::tool_shift;
+      *f = rests;
     }
     return facts_of<Facts>(recording);
   }

@@ -56,7 +56,8 @@ TEST(LessonsSubclavian, APerfectOneScoresFiveAndIsGreen) {
 
 TEST(LessonsSubclavian, ASilentDeviceMakesNoSecondPass) {
   const Chest::Done d = chest().run(puncture() + R"(, "aspirate", "finish")");
-  EXPECT_EQ(chest().facts_with_silence<lessons::SubclavianFacts>(d.recording).passes.size(), 1u);
+  EXPECT_EQ(chest().facts_with_silence<lessons::SubclavianFacts>(d.recording, d.facts.fastest_s - 0.1).passes.size(),
+            1u);
 }
 
 TEST(LessonsSubclavian, ScoredAgainItIsTheSameAndItReplaysBitForBit) {

@@ -14,7 +14,9 @@ const char* name_of(LessonEnd end) {
 
 void Lesson::look_at_speed(const haptics::ServoFrame& f, const haptics::ToolBelt& belt) {
   const Vec3 tip{f.tip_mm[0], f.tip_mm[1], f.tip_mm[2]};
-  const bool away = belt.paused() || (f.buttons & haptics::haptic_button::lifted);
+  // While a device is silent its hand goes on: what it does meanwhile is not done in the moment after it.
+  const bool away =
+      belt.paused() || (f.buttons & haptics::haptic_button::lifted) || (f.faults & haptics::haptic_fault::gap);
   if (away || belt.in_hand() != in_hand_) moments_.clear();
   in_hand_ = belt.in_hand();
   if (away) return;
@@ -38,12 +40,7 @@ void Lesson::look_for_cut(const haptics::ServoFrame& f, const haptics::ToolBelt&
   if (cut) facts.first_cut_s = f.time_s;
 }
 
-bool Lesson::waits(const haptics::ServoFrame& f, const haptics::ToolBelt& belt) {
-  return belt.paused() || (f.faults & haptics::haptic_fault::gap);
-}
-
 bool Lesson::taken_away(const haptics::ServoFrame& f, const haptics::ToolBelt& belt, Vec3 last_mm) {
-  if (f.faults & haptics::haptic_fault::gap) return false;  // which says that it is lifted, too
   const Vec3 tip{f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]};
   return f.buttons & haptics::haptic_button::lifted || (belt.paused() && norm(tip - last_mm) > withdrawn_mm);
 }

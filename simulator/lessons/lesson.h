@@ -16,7 +16,8 @@ namespace trephine::lessons {
 
 /// By the tool's pose, over so long: so a tool that gives way under a steady hand is not called fast.
 constexpr double insertion_window_s = 0.1;
-/// Farther out than this from the place of entry, and in nothing, a tip is out.
+/// A tip that lies farther out than this before the place of entry, and in nothing, is out; one that a pause moved by
+/// more was taken away.
 constexpr double withdrawn_mm = 1;
 
 enum class LessonEnd { running, finished, device_lost };
@@ -70,10 +71,8 @@ class Lesson {
   virtual std::shared_ptr<const LessonFacts> copy_of_facts() const = 0;
 
  protected:
-  /// Whether nothing is known of the tool in this tick: the lesson is paused, or the device is silent for a moment.
-  static bool waits(const haptics::ServoFrame& frame, const haptics::ToolBelt& belt);
   /// Whether a tool that was in the patient at `last_mm` was taken away, and comes again from elsewhere: it was lifted,
-  /// or moved by more than withdrawn_mm in a pause. A device that is silent leaves it where it was.
+  /// or moved by more than withdrawn_mm in a pause.
   static bool taken_away(const haptics::ServoFrame& frame, const haptics::ToolBelt& belt, Vec3 last_mm);
   virtual LessonFacts& noted() = 0;
   /// The first tick, before anything else of it.

@@ -122,7 +122,7 @@ void SpineNeedle::tick(const haptics::ServoFrame& f, const haptics::ToolBelt& be
     s.length_mm = tool.tool_length_mm;
   }
   if (f.inside == 0 && taken_away(f, belt, last_.tip_mm)) end_both();
-  if (waits(f, belt)) return;
+  if (belt.paused()) return;
   const NeedlePoint now{f.time_s, tip, axis, f.inside};
   if (in_bone_.open || in_patient_.open || f.inside != 0) last_ = now;
   follow(in_bone_, f.inside == bone_, tool);

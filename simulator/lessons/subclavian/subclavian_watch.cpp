@@ -30,7 +30,7 @@ Subclavian::Subclavian(const cases::CaseManifest& manifest, const voxel::HapticV
 void Subclavian::tick(const haptics::ServoFrame& f, const haptics::ToolBelt& belt, bool) {
   const Vec3 tip = vec(f.proxy_mm);
   if (in_ && f.inside == 0 && taken_away(f, belt, last_.tip_mm)) end_pass(f.time_s, false);
-  if (waits(f, belt)) return;
+  if (belt.paused()) return;
   // The tip pops through by some millimetres: it entered where it was held before.
   const Vec3 before = held_tip_;
   held_tip_ = tip;

@@ -105,10 +105,8 @@ void Ventriculostomy::tick(const haptics::ServoFrame& f, const haptics::ToolBelt
   drill(f, belt, pedal && tool.cuts);
   dura_.tick(f, pedal && tool.cuts, facts_.dura);
   const bool catheter = is_catheter(tool);
-  if (catheter && !waits(f, belt))
-    pass(f);
-  else if (in_brain_ && (!catheter || taken_away(f, belt, last_tip_.tip_mm)))
-    end_pass(f.time_s, false);
+  if (in_brain_ && (!catheter || (f.inside == 0 && taken_away(f, belt, last_tip_.tip_mm)))) end_pass(f.time_s, false);
+  if (catheter && !belt.paused()) pass(f);
 }
 
 void Ventriculostomy::command(int command, const haptics::ServoFrame& f, const haptics::ToolBelt& belt) {
