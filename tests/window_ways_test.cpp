@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The way of a recording that is shown as a ghost.
+// The way of a recording that is shown as a ghost, and how hard a hand of mouse and keyboard pulls.
 #include "window/ways.h"
 
 #include <gtest/gtest.h>
+
+#include "window/live_session.h"
 
 using namespace trephine;
 
@@ -28,4 +30,21 @@ TEST(Ways, AGhostGoesTheWayOfTheToolInHand) {
   way = window::way_of(r);
   EXPECT_EQ(way.front().x, 30) << "what the first tool did is no part of it";
   EXPECT_EQ(way.back().x, 39);
+}
+
+// A finder that is pushed through deep tissue comes into bone, and nobody pulls harder than a device can hold.
+TEST(PiercingForce, IsWhatBoneAndTissueAskAndTheDeviceHolds) {
+  haptics::BeltToolParams finder;
+  finder.pierce_n = 2;
+  finder.tool_length_mm = 80;
+  cases::CaseHaptic haptic;
+  EXPECT_NEAR(window::piercing_n(finder, haptic, 10), 2.5, 1e-12);
+  haptic.shapes.resize(2);
+  haptic.shapes[1].material.shaft_friction_n_per_mm = 0.012;
+  haptic.shapes[1].material.tip_force_n = 0.15;
+  EXPECT_NEAR(window::piercing_n(finder, haptic, 10), 2.5 + 0.96 + 0.15, 1e-12);
+  EXPECT_LT(window::piercing_n(finder, haptic, 3.3), 3.3);
+  EXPECT_GT(window::piercing_n(finder, haptic, 3.3), 3);
+  finder.pierce_n = 0;
+  EXPECT_EQ(window::piercing_n(finder, haptic, 3.3), 0);
 }

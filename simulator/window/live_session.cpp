@@ -11,7 +11,7 @@
 namespace trephine::window {
 namespace {
 
-constexpr double more_than_pierce = 1.25;
+constexpr double more_than_pierce = 1.25, most_of_device = 0.97;
 constexpr double rate_over_s = 0.5;
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
@@ -25,15 +25,6 @@ bool can_cut(const session::Patient& p) {
 std::filesystem::path numbered(const std::filesystem::path& file, int n) {
   if (n <= 1) return file;
   return file.parent_path() / (file.stem().string() + "-" + std::to_string(n) + file.extension().string());
-}
-
-// With what force a tool goes through bone while tissue holds its tip and its whole shaft; 0: it pierces nothing.
-double piercing_n(const haptics::BeltToolParams& tool, const cases::CaseHaptic& haptic) {
-  if (!(tool.pierce_n > 0)) return 0;
-  double held_n = 0;
-  for (const cases::CaseShape& s : haptic.shapes)
-    held_n = std::max(held_n, s.material.tip_force_n + s.material.shaft_friction_n_per_mm * tool.tool_length_mm);
-  return more_than_pierce * tool.pierce_n + held_n;
 }
 
 std::vector<texts::NoteId> words_of(std::uint32_t faults) {
@@ -348,9 +339,19 @@ void LiveSession::follow_lesson(const std::vector<haptics::ServoFrame>& frames) 
   if (second) lesson_->next();
 }
 
+double piercing_n(const haptics::BeltToolParams& tool, const cases::CaseHaptic& haptic, double max_force_n) {
+  if (!(tool.pierce_n > 0)) return 0;
+  double held_n = 0;
+  for (const cases::CaseShape& s : haptic.shapes)
+    held_n = std::max(held_n, s.material.tip_force_n + s.material.shaft_friction_n_per_mm * tool.tool_length_mm);
+  return std::min(more_than_pierce * tool.pierce_n + held_n, most_of_device * max_force_n);
+}
+
 // A hand of mouse and keyboard usually presses no harder than a burr needs, which would never pierce bone.
 void LiveSession::press_as_needed() {
-  hand.pull_at_least(lesson_ ? piercing_n(lesson_->tool(), patient_->felt.loaded.manifest.haptic) : 0);
+  hand.pull_at_least(
+      lesson_ ? piercing_n(lesson_->tool(), patient_->felt.loaded.manifest.haptic, session_->header().force.max_force_n)
+              : 0);
 }
 
 // What a marker draws without a lesson.

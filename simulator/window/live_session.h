@@ -17,6 +17,10 @@
 
 namespace trephine::window {
 
+/// With what force a hand of mouse and keyboard may pull a tool, so that it goes through bone while tissue holds its
+/// tip and its whole shaft; no more than a device of `max_force_n` can hold. 0: the tool pierces nothing.
+double piercing_n(const haptics::BeltToolParams& tool, const cases::CaseHaptic& haptic, double max_force_n);
+
 /// Somebody at work on the patient of a view: the servo's session, one after the other where tools are changed, what
 /// they cut and drew, and the lesson that is done in it, if it is one. In the thread of the OpenGL context.
 class LiveSession {
