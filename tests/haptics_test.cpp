@@ -299,6 +299,25 @@ TEST(Haptics, ForceAndItsRateStayWithinTheDevice) {
   EXPECT_EQ(proxy.state().faults, 0u);
 }
 
+// A rate that is given counts; without one a strong device may change its whole force in 3.3 ms, as one of 3.3 N does.
+TEST(Haptics, TheRateOfTheForceFollowsTheDevice) {
+  const auto most_n = [](double max_force_n, double rate_n_per_s) {
+    voxel::HapticVolume v = floor_volume();
+    const contact::ContactVolume contact(v);
+    haptics::ForceParams limits;
+    limits.ramp_s = 0;
+    limits.max_force_n = max_force_n;
+    limits.max_force_rate_n_per_s = rate_n_per_s;
+    haptics::Proxy proxy(contact, one_shape(1, face(100), face(100)), limits);
+    proxy.update(at({0, 0, 1}));
+    return norm(proxy.update(at({0, 0, -1})).force_n);
+  };
+  EXPECT_NEAR(most_n(3.3, 0), 1, 1e-9);
+  EXPECT_NEAR(most_n(1, 0), 1, 1e-9);
+  EXPECT_NEAR(most_n(40, 0), 12.1212, 1e-4);
+  EXPECT_NEAR(most_n(40, 500), 0.5, 1e-9);
+}
+
 // Round a ball at a constant depth: constant force, nowhere caught, and not behind.
 TEST(Haptics, RoundABallAtConstantDepth) {
   for (const Vec3 spacing : {Vec3{0.5, 0.5, 0.5}, Vec3{0.4, 0.4, 0.95}})

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <algorithm>
 #include <array>
 #include <string>
 
@@ -49,20 +50,20 @@ struct ForceParams {
   double release_s = 0.02, event_s = 0.01;
   Shape event_shape = Shape::cosine;
   double force_rate_n_per_s() const {
-    return max_force_rate_n_per_s > 0 ? max_force_rate_n_per_s : 1000 * (max_force_n / 3.3);
+    return max_force_rate_n_per_s > 0 ? max_force_rate_n_per_s : 1000 * std::max(1.0, max_force_n / 3.3);
   }
   template <class V>
   static void describe(V& v) {
     using P = ForceParams;
     v.number(&P::max_force_n, "max_force_n", Range{0.01, 100}, "Largest force that the device is asked for.");
-    v.number(
-        &P::max_force_rate_n_per_s, "max_force_rate_n_per_s", Range{0, 1e6},
-        "Largest rate at which the force may change; 0: max_force_n in 3.3 ms. Where a hand presses so that a wall "
-        "asks for more, the force lags behind it, and it swings.");
+    v.number(&P::max_force_rate_n_per_s, "max_force_rate_n_per_s", Range{0, 1e6},
+             "Largest rate at which the force may change; 0: 1,000, of a device of more than 3.3 N its whole force in "
+             "3.3 ms. Where a hand presses so that a wall "
+             "asks for more, the force lags behind it, and it swings.");
     v.number(
         &P::ramp_s, "ramp_s", Range{0, 10},
         "Time over which forces rise to their full size after the start. A hand that is in a wall meanwhile is given "
-        "what the rise adds.");
+        "the energy that the rise adds.");
     v.number(&P::velocity_cutoff_hz, "velocity_cutoff_hz", Range{0, 1e5},
              "Cutoff of the low-pass filter on the velocity for dampers and drag; 0: no filter.");
     v.number(&P::max_torque_n_mm, "max_torque_n_mm", Range{0, 1e5},
