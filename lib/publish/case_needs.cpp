@@ -14,8 +14,8 @@
 
 namespace trephine::publish {
 
-// Measured values. Memory, with nine anatomies: 317 MB at 2.9 million voxels, 427 at 6.3, 505 at 28, 670 at 42, 590 to
-// 760 at 50 and 2,430 to 2,480 at 262; with a skull alone 230 at 6.3, 303 at 28 and 400 at 50. A case: 2 MB at 16,000
+// Measured values. Memory, with nine anatomies: 317 MB at 2.9 million voxels, 398 at 6.3, 467 at 28, 594 at 42, 607 to
+// 647 at 50 and 2,430 to 2,480 at 262; with a skull alone 230 at 6.3, 303 at 28 and 400 at 50. A case: 2 MB at 16,000
 // voxels, 37 MB at 50 million, with a page (6 MB) and a CT (noise hardly compresses) 47, 65, 80 and 82 MB at 24, 28, 42
 // and 46. Its stages in the cache, fields (growing with volume) and surfaces (growing with area): 80 MB at 6.3 million,
 // 560 MB at 50 million.
@@ -74,8 +74,9 @@ void require_disk(const std::filesystem::path& folder, double need_mb) {
 MemoryNeed memory_need(const ScanRaster& scan, const ScanRaster& used, std::size_t anatomies_count,
                        const mask::ShapeInterpolateParams* interpolated) {
   if (scan.count() < 1'000'000) return {};
-  // Measured: 260 MB more than for the scan's own voxels where 48 million are added between slices of 2 mm.
-  constexpr double added_mb_per_million = 5.4;
+  // Measured: 260 MB more than for the scan's own voxels where 48 million are added between slices of 2 mm, and none
+  // where 35 million are between slices of 5 mm.
+  constexpr double added_mb_per_million = 4;
   const auto need_mb = [&](const ScanRaster& r) {
     grid::Lattice l;
     for (int a = 0; a < 3; ++a) l.size[std::size_t(a)] = int(r.voxels_count[std::size_t(a)]);

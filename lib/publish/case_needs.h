@@ -14,8 +14,10 @@
 namespace trephine::publish {
 
 /// What building one case needs, by the number of its scan's voxels and of the anatomies that are shown or felt: an
-/// estimate from measured cases. Memory is mostly right within 20 % (docs/validation/speed.md), disk to about a factor
-/// of two. Noise, and the triangles that the anatomies may have, change it.
+/// estimate from measured cases. Memory is a quarter too low to a third too high (docs/validation/speed.md), disk to
+/// about a factor of two. Noise, and the triangles that the anatomies may have, change it. Slices that are added
+/// between thick ones, and what is cut off, memory_need() counts, and a library's plan before the first build of a case
+/// does not.
 struct CaseNeeds {
   double memory_mb = 0, disk_mb = 0;
   double cache_mb = 0;  ///< on disk as well, but the cache has a limit
@@ -50,7 +52,8 @@ struct ScanRaster {
 ScanRaster raster_of(const dicom::ImportFigures& scan);
 
 /// What memory the case will take, and how much there is; empty for scans of less than a million voxels. `scan` as it
-/// was read, `used` as it goes into the stages; `interpolated` where slices are added to what is segmented.
+/// was read, `used` as it goes into the stages; `interpolated`: how slices are added to what is segmented, null where
+/// none are.
 struct MemoryNeed {
   std::string text;
   /// Where there is too little: what to do. Larger voxels are named where the estimate then fits.
