@@ -337,7 +337,8 @@ void check_zones(const std::vector<int>& seeds) {
                 zone_lateral / zone_all, template_lateral / zone_all);
     EXPECT_GT(zone_all, 500);
     // By the template's border alone 0.007 to 0.07 of the zone, by how well the head fits the template.
-    EXPECT_LT(zone_lateral, std::max(0.5 * template_lateral, 0.01 * zone_all));
+    EXPECT_LT(zone_lateral, 0.75 * template_lateral);
+    EXPECT_LT(zone_lateral, 0.03 * zone_all);
     // The shell lies along the inner table and holds nothing of the middle.
     EXPECT_FALSE(holds(shell, {0, 0, 60}));
     EXPECT_TRUE(holds(dura, {0, 0, 60}));

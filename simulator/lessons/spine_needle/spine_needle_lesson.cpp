@@ -49,7 +49,7 @@ LessonType spine_needle_lesson() {
                measured_for("time", "procedure_s"),
                {"passes_count", "how often the needle entered bone", ""},
                {"shots_count", "how often X-rays were on", ""},
-               {"in_bone", "1 or 0: the needle lies in bone at the end", ""},
+               {"in_bone", "1 or 0: the needle is left in bone at the end, wherever its tip is", ""},
                {"breached", "1 or 0: it came through the pedicle's wall", ""},
                {"medial", "1 or 0: towards the canal, where the breach was deepest", ""},
                {"turned_deg", "angle between the needle and the ideal axis", ""}};
