@@ -28,8 +28,9 @@ namespace beast = boost::beast;
 using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-// Until what does not answer is lost: while it begins, and while forces are on.
-constexpr auto begin_time = std::chrono::milliseconds(2000), answer_time = std::chrono::milliseconds(250);
+// Until what does not answer is lost, and what was cancelled is closed. That a device gives no pose for some
+// milliseconds, the program that holds it notices (--adaptor-timeout-ms).
+constexpr auto answer_time = std::chrono::milliseconds(2000), cancel_time = std::chrono::milliseconds(250);
 constexpr std::size_t message_bytes = 1 << 20;
 constexpr double mm_per_m = 1000;
 
@@ -63,7 +64,6 @@ class Service {
     beast::error_code fault;
     beast::get_lowest_layer(socket_).socket().close(fault);
   }
-  void expect_answers_soon() { time_ = answer_time; }
   /// As the protocol wants a connection to end.
   void leave() {
     if (is_broken_) return;
@@ -72,7 +72,7 @@ class Service {
   const Json& inventory() const { return inventory_; }
   Json receive() {
     beast::flat_buffer buffer;
-    until_ = Clock::now() + time_;
+    until_ = Clock::now() + answer_time;
     do {
       step(
           "a state",
@@ -114,7 +114,7 @@ class Service {
   }
   template <class Begin>
   void step(const std::string& what, const Begin& begin) {
-    step(what, begin, Clock::now() + time_);
+    step(what, begin, Clock::now() + answer_time);
   }
   template <class Begin>
   void step(const std::string& what, const Begin& begin, Clock::time_point until) {
@@ -127,7 +127,7 @@ class Service {
     if (!is_done) {
       beast::get_lowest_layer(socket_).cancel();  // and not closed: the last force is to be taken back
       io_.restart();
-      io_.run_for(answer_time);
+      io_.run_for(cancel_time);
       if (!is_done) {  // it went on to another address, or waits all the same
         beast::error_code ignored;
         beast::get_lowest_layer(socket_).socket().close(ignored);
@@ -140,7 +140,6 @@ class Service {
   }
 
   bool is_broken_ = false;
-  Clock::duration time_ = begin_time;
   Clock::time_point until_;
   asio::io_context io_;
   beast::websocket::stream<beast::tcp_stream> socket_;
@@ -250,7 +249,6 @@ int trephine_adaptor_limits(void*, trephine_adaptor_limits_t* out) {
 int trephine_adaptor_start(void*) {
   return guarded(1, [] {
     const double none[3] = {0, 0, 0};
-    service->expect_answers_soon();
     send_force(none);
     return 0;
   });
