@@ -144,9 +144,9 @@ void add_padded(const mask::HuView& hu, const mask::CoarseRaster& raster, const 
 }
 
 /// How high and how long the cavity is, by how wide, by its moments. A nod adds of its length to its height: a usual
-/// head that looks straight up has 1.25, a long narrow one 1.4. Its length is along the longer
-/// axis of its section, whichever way the head is turned; only where that lies within 30 degrees of left and right is
-/// it the width, which a wrong distance of columns makes the longer.
+/// head that looks straight up has 1.25, a long narrow one 1.4. Its length is along the longer axis of its
+/// section, whichever way the head is turned; only where that lies within 30 degrees of left and right is it the width,
+/// which a wrong distance of columns makes the longer.
 struct Proportions {
   double height_ratio = 0, length_ratio = 0;
 };

@@ -58,8 +58,7 @@ struct ForceParams {
     v.number(&P::max_force_n, "max_force_n", Range{0.01, 100}, "Largest force that the device is asked for.");
     v.number(&P::max_force_rate_n_per_s, "max_force_rate_n_per_s", Range{0, 1e6},
              "Largest rate at which the force may change; 0: 1,000, of a device of more than 3.3 N its whole force in "
-             "3.3 ms. Where a hand presses so that a wall "
-             "asks for more, the force lags behind it, and it swings.");
+             "3.3 ms. Where a hand presses so that a wall asks for more, the force lags behind it, and it swings.");
     v.number(
         &P::ramp_s, "ramp_s", Range{0, 10},
         "Time over which forces rise to their full size after the start. A hand that is in a wall meanwhile is given "
