@@ -5,9 +5,11 @@
  * Here the device is a mass that a spring draws from X Y Z (mm, LPS) along DX DY DZ, DEPTH_MM far, while the hand turns
  * it about its axis. To drive another, replace device_pose and device_force. LOG gets a line for each answer: sequence,
  * tip, force and torque, exact (%a), and events. PEDALS: 1 drills. Ends with 0; 1 where nothing answered; 2 where the
- * servo says that another client is there, or that there is a fault. */
+ * servo says that another client is there, or that there is a fault; 64 for a wrong argument, 73 where LOG cannot be
+ * written, 74 without a socket. */
 #define _POSIX_C_SOURCE 200809L
 #include <arpa/inet.h>
+#include <errno.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -117,27 +119,37 @@ static double now_s(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+/* NAN where the word is none. */
+static double number(const char* word) {
+  char* end;
+  const double v = strtod(word, &end);
+  return end == word || *end ? NAN : v;
+}
+static int refuse(int code, const char* word, const char* what) {
+  return fprintf(stderr, "udp_client: %s: %s\n", word, what), code;
+}
+
 int main(int argc, char** argv) {
   if (argc < 11)
     return fprintf(stderr, "udp_client ADDRESS PORT SECONDS X Y Z DX DY DZ DEPTH_MM [LOG [PEDALS]]\n"), 64;
-  struct sockaddr_in to;
-  memset(&to, 0, sizeof to);
-  to.sin_family = AF_INET;
-  to.sin_port = htons((uint16_t)atoi(argv[2]));
+  for (int n = 2; n < argc; ++n)
+    if (n != 11 && !isfinite(number(argv[n]))) return refuse(64, argv[n], "is no number");
+  const double port = number(argv[2]), seconds = number(argv[3]), pedals = argc > 12 ? number(argv[12]) : 0;
+  if (port < 1 || port > 65535) return refuse(64, argv[2], "is no port, 1 to 65535");
+  if (pedals < 0 || pedals > 3) return refuse(64, argv[12], "are no pedals, 0 to 3");
+  struct sockaddr_in to = {.sin_family = AF_INET, .sin_port = htons((uint16_t)port)};
+  if (inet_pton(AF_INET, argv[1], &to.sin_addr) != 1) return refuse(64, argv[1], "is no IPv4 address in numbers");
+  for (int a = 0; a < 3; ++a) device.from[a] = device.position[a] = number(argv[4 + a]);
+  for (int a = 0; a < 3; ++a) device.way[a] = number(argv[7 + a]);
+  const double length = hypot(hypot(device.way[0], device.way[1]), device.way[2]);
+  if (!(length > 0)) return refuse(64, "DX DY DZ", "must have a length");
+  for (int a = 0; a < 3; ++a) device.way[a] /= length;
+  device.depth_mm = number(argv[10]);
+  device.pedals = (uint32_t)pedals;
   const int fd = socket(AF_INET, SOCK_DGRAM, 0);
-  if (fd < 0 || inet_pton(AF_INET, argv[1], &to.sin_addr) != 1 || connect(fd, (struct sockaddr*)&to, sizeof to) != 0)
-    return perror("udp_client"), 74;
-  const double seconds = atof(argv[3]);
-  double length = 0;
-  for (int a = 0; a < 3; ++a) {
-    device.from[a] = device.position[a] = atof(argv[4 + a]);
-    device.way[a] = atof(argv[7 + a]);
-    length += device.way[a] * device.way[a];
-  }
-  for (int a = 0; a < 3; ++a) device.way[a] /= sqrt(length);
-  device.depth_mm = atof(argv[10]);
-  device.pedals = argc > 12 ? (uint32_t)atoi(argv[12]) : 0;
+  if (fd < 0 || connect(fd, (struct sockaddr*)&to, sizeof to) != 0) return refuse(74, argv[1], strerror(errno));
   FILE* log = argc > 11 ? fopen(argv[11], "w") : NULL;
+  if (argc > 11 && !log) return refuse(73, argv[11], strerror(errno));
 
   static pose sent[HISTORY];
   const uint32_t session = (uint32_t)getpid();

@@ -4,9 +4,9 @@
 
     udp_client.py ADDRESS PORT SECONDS X Y Z DX DY DZ DEPTH_MM [LOG [PEDALS]]
 
-The device is a mass of 0.2 kg that a spring draws from X Y Z (mm, LPS) along DX DY DZ, DEPTH_MM far. To drive another, use Link alone:
-link.pose(tip, turn) each millisecond, link.force() for what the hand shall feel. It does what udp_client.c does, with the same
-arguments, log and exit codes."""
+The device is a mass of 0.2 kg that a spring draws from X Y Z (mm, LPS) along DX DY DZ, DEPTH_MM far, while the hand turns it about its
+axis. To drive another, use Link alone: link.pose(tip, turn) each millisecond, link.force() for what the hand shall feel. It does what
+udp_client.c does, with the same arguments, log, messages and exit codes."""
 import math
 import os
 import socket
@@ -71,23 +71,58 @@ class Link:
         return [share * n for n in self.last_n]
 
 
-def turn_to(way):
-    """From +z to where the tail points, against the way."""
+def turn_to(way, angle_rad=0.0):
+    """From +z to where the tail points, against the way, and by the angle about the axis before that."""
     x, y, z = (-w for w in way)
     w = math.sqrt(max(0.0, 0.5 * (1 + z)))
-    return (-0.5 * y / w, 0.5 * x / w, 0.0, w) if w > 1e-6 else (1.0, 0.0, 0.0, 0.0)
+    over = (-0.5 * y / w, 0.5 * x / w, 0.0, w) if w > 1e-6 else (1.0, 0.0, 0.0, 0.0)
+    s, c = math.sin(0.5 * angle_rad), math.cos(0.5 * angle_rad)
+    return (over[0] * c + over[1] * s, over[1] * c - over[0] * s, over[3] * s, over[3] * c)
+
+
+def number(word):
+    """NAN where the word is none."""
+    try:
+        return float(word)
+    except ValueError:
+        return math.nan
+
+
+def refuse(code, word, what):
+    print(f"udp_client: {word}: {what}", file=sys.stderr)
+    return code
 
 
 def main(arguments):
     if len(arguments) < 10:
-        print(__doc__, file=sys.stderr)
+        print("udp_client ADDRESS PORT SECONDS X Y Z DX DY DZ DEPTH_MM [LOG [PEDALS]]", file=sys.stderr)
         return 64
-    link = Link(arguments[0], int(arguments[1]))
-    seconds, start, way, depth_mm = (float(arguments[2]), [float(a) for a in arguments[3:6]],
-                                     [float(a) for a in arguments[6:9]], float(arguments[9]))
+    address = arguments[0]
+    for word in arguments[1:10] + arguments[11:]:
+        if not math.isfinite(number(word)):
+            return refuse(64, word, "is no number")
+    port, seconds, *pose, depth_mm = map(number, arguments[1:10])
+    start, way = pose[:3], pose[3:]
+    pedals = int(number(arguments[11])) if len(arguments) > 11 else 0
+    if not 1 <= port <= 65535:
+        return refuse(64, arguments[1], "is no port, 1 to 65535")
+    if not 0 <= pedals <= 3:
+        return refuse(64, arguments[11], "are no pedals, 0 to 3")
+    try:
+        socket.inet_pton(socket.AF_INET, address)
+    except OSError:
+        return refuse(64, address, "is no IPv4 address in numbers")
+    if not any(way):
+        return refuse(64, "DX DY DZ", "must have a length")
     way = [w / math.hypot(*way) for w in way]
-    log = open(arguments[10], "w") if len(arguments) > 10 else None
-    pedals = int(arguments[11]) if len(arguments) > 11 else 0
+    try:
+        link = Link(address, int(port))
+    except OSError as error:
+        return refuse(74, address, error.strerror)
+    try:
+        log = open(arguments[10], "w") if len(arguments) > 10 else None
+    except OSError as error:
+        return refuse(73, arguments[10], error.strerror)
     position, velocity, sent, most_n = list(start), [0.0] * 3, {}, 0.0
     mass_kg, spring, damping, steps = 0.2, 0.4, 0.006, 8  # N/mm, N s/mm
     began = last = time.monotonic()
@@ -102,7 +137,7 @@ def main(arguments):
                 pull = spring * (start[a] + way[a] * aim - position[a])
                 velocity[a] += (pull + force[a] - damping * velocity[a]) * 1000 / mass_kg * dt
                 position[a] += velocity[a] * dt
-        sent[link.pose(position, turn_to(way), pedals)] = tuple(position)
+        sent[link.pose(position, turn_to(way, now - pressed), pedals)] = tuple(position)  # by 1 rad/s
         while (of := link.take()) is not None:
             most_n = max(most_n, math.hypot(*link.last_n))
             if log:

@@ -4,7 +4,7 @@
 # got are those that were recorded, torque and events come back, its pedal drills, a client that is killed, and a second one.
 . "$(dirname "$0")/common.sh"
 "${CC:-cc}" -std=c99 -pedantic -Wall -Wextra -Werror -O1 -o "$work/client" "$SOURCE/examples/udp_client/udp_client.c" -lm
-[[ $(wc -l <"$SOURCE/examples/udp_client/udp_client.c") -lt 200 ]] || fail "200 lines or more"
+[[ $(wc -l <"$SOURCE/examples/udp_client/udp_client.c") -lt 210 ]] || fail "210 lines or more"
 "$WRITE_CASE" "$work/sample"
 
 begin() {  # FLAGS...: a servo in the background; port is where it listens
@@ -29,7 +29,7 @@ case=$work/drill
 # The client in C, and that in Python.
 for language in c python; do
 begin --timeout-ms 10000 --seconds 2 --tool ball --tool-diameter-mm 2 --record "$work/a.servo" --json "$work/a.json"
-on_bone 3 5 "$work/log" >"$work/client_text" || fail "the client in $language: $(cat "$work/client_text")"
+on_bone 5 5 "$work/log" >"$work/client_text" || fail "the client in $language: $(cat "$work/client_text")"
 wait $servo || fail "the servo: $(cat "$work/stderr")"
 grep -Eq '^udp: [0-9]+ poses, [0-9]+ answers, 0 malformed, 0 late, 0 strangers, [0-9]+ gaps$' "$work/text" || { cat "$work/text"; fail "counts"; }
 python3 - "$work/a.json" "$work/a.servo" "$work/log" <<'PY'
@@ -51,6 +51,8 @@ assert all(tuple(a[4:7]) in ticks[tuple(a[1:4])] for a in answers), "a force tha
 assert max(a[6] for a in answers) > 0.3, "the client felt nothing"
 assert any(a[7:10] != [0, 0, 0] for a in answers), "no torque came back"
 assert any(a[10] & 1 for a in answers), "no touch was told"
+across = [f[26:29] for f in struct.iter_unpack("<Q17dI4i3I40x3d", data[16 + 8192:])]
+assert min(sum(map(lambda a, b: a * b, across[0], x)) for x in across) < math.cos(0.5), "the hand did not turn the tool"
 PY
 "$TREPHINE" replay "$work/drill" "$work/a.servo" >/dev/null || fail "the recording does not replay"
 on_bone() { /usr/bin/python3 "$SOURCE/examples/udp_client/udp_client.py" 127.0.0.1 "$port" "$1" 1 -20 317 0 0 -1 "${@:2}"; }
@@ -106,6 +108,17 @@ wait $first || fail "the first client: $(cat "$work/client_text")"
 wait $servo || fail "the servo: $(cat "$work/stderr")"
 grep -Eq '^udp: .* [1-9][0-9]* strangers, ' "$work/text" || { cat "$work/text"; fail "no stranger"; }
 grep -q 'faults none$' "$work/text" || { cat "$work/text"; fail "a fault"; }
+
+# What either client refuses, by one line.
+for client in "$work/client" "/usr/bin/python3 $SOURCE/examples/udp_client/udp_client.py"; do
+  expect 64 '^udp_client ADDRESS PORT ' $client
+  expect 64 '^udp_client: nohost\.invalid: is no IPv4 address in numbers$' $client nohost.invalid 20517 1 1 -20 384 0 0 -1 3
+  expect 64 '^udp_client: DX DY DZ: must have a length$' $client 127.0.0.1 20517 1 1 -20 384 0 0 0 3
+  expect 64 '^udp_client: far: is no number$' $client 127.0.0.1 20517 1 1 -20 far 0 0 -1 3
+  expect 64 '^udp_client: 4: are no pedals' $client 127.0.0.1 20517 1 1 -20 384 0 0 -1 3 "$work/log" 4
+  expect 64 '^udp_client: 65536: is no port' $client 127.0.0.1 65536 1 1 -20 384 0 0 -1 3
+  expect 73 '^udp_client: .*none/log: No such file' $client 127.0.0.1 20517 1 1 -20 384 0 0 -1 3 "$work/none/log"
+done
 
 servo=("$TREPHINE" servo "$work/sample" --device udp --port 0)
 expect 66 'device: no pose came to 127\.0\.0\.1:[0-9]+' "${servo[@]}" --wait-s 0.05
