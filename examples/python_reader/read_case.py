@@ -13,6 +13,7 @@ import hashlib
 import io
 import json
 import pathlib
+import re
 import struct
 import sys
 
@@ -82,15 +83,18 @@ def read_manifest(folder):
         data = f.read(MOST_JSON_BYTES + 1)
     if len(data) > MOST_JSON_BYTES:
         refuse(file, "is longer than 4 MiB")
+    version = re.match(rb'{\n "format": "trephine-case ([0-9]{1,4})\.([0-9]{1,4})",', data)
+    if version is None:
+        refuse(file, "format: not a case.json of Trephine")
+    major, minor = map(int, version.groups())
+    if major != MAJOR:
+        remedy = "make the case again with `trephine run`" if major < MAJOR else "take a newer reader"
+        refuse(file, f"format: version {major}.{minor}, this program reads versions {MAJOR}.*: {remedy}")
     mark = b',\n "checksum": "'
     at = data.rfind(mark)
     if at < 0 or data[at + len(mark):] != hashlib.sha256(data[:at]).hexdigest().encode() + b'"\n}\n':
         refuse(file, "checksum: the file is damaged, or was edited by hand")
-    manifest = json.loads(data)
-    name, _, version = manifest["format"].partition(" ")
-    if name != "trephine-case" or version.split(".")[0] != str(MAJOR):
-        refuse(file, f"format: {manifest['format']}, this program reads version {MAJOR}")
-    return manifest
+    return json.loads(data)
 
 
 def read_files(folder, manifest):

@@ -87,6 +87,22 @@ class LoadCase(common.Case):
         with self.assertRaises(KeyError):
             self.case.shape("none")
 
+    def test_the_independent_reader_names_the_version_before_the_checksum(self):
+        folder = common.WORK / "versions"
+        shutil.copytree(self.folder, folder)
+        file = folder / "case.json"
+        data = file.read_bytes()
+        for version, remedy in (("1.0", ": make the case again with `trephine run`"), ("3.1", "")):
+            file.write_bytes(data.replace(b"trephine-case 2.0", b"trephine-case " + version.encode(), 1))
+            line = rf"case\.json: format: version {version}, this program reads versions? 2\.[0*]{remedy}"
+            self.refuses(65, line, trephine.load_case, folder)
+            with self.assertRaisesRegex(read_case.CaseError, line):
+                read_case.load(folder)
+        for spoilt, pattern in ((data.replace(b"LPS", b"RAS", 1), "checksum: "), (b"{}", "format: not a case.json")):
+            file.write_bytes(spoilt)
+            with self.assertRaisesRegex(read_case.CaseError, pattern):
+                read_case.load(folder)
+
 
 if __name__ == "__main__":
     unittest.main()
