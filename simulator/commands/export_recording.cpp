@@ -53,11 +53,11 @@ const cli::OwnCommand export_recording_command([] {
   c.name = "export-recording";
   c.summary = "writes a recorded session as CSV, as plain JSON, or as a picture of force, position and events";
   c.description =
-      "Writes what a recording holds for programs that do not know its form: each tick's pose, force, contact, buttons "
-      "and events, in millimetres (LPS), newtons and seconds, with nothing rounded. "
-      "examples/python_reader/read_recording.py reads "
-      "the "
-      "JSON and the recording itself. A recording whose seal is broken is written with a warning, and the JSON says "
+      "Writes a recording for programs that do not know its form: each tick's pose, force, contact, buttons and "
+      "events, in millimetres (LPS), newtons and seconds, with nothing rounded. The places at which surfaces hold the "
+      "tool (held_at, held_mm) are in the recording alone, which docs/reference/recordings.md specifies. "
+      "examples/python_reader/read_recording.py reads the JSON and the recording itself. A recording whose seal is "
+      "broken is written with a warning, and the JSON says "
       "so. "
       "--plot draws force, position and events over time by gnuplot.";
   c.arguments = {cli::positional_argument("recording", Kind::in_file, "A recording of `servo`, `lesson` or `play`."),
