@@ -52,8 +52,9 @@ int main(int argc, char** argv) {
       direction = c.manifest.burr_holes[0].direction;
       entry = c.manifest.burr_holes[0].position_mm;
     }
-    std::cout << "from " << entry.x << ", " << entry.y << ", " << entry.z << " mm (LPS), 20 mm outside:\n";
-    walk(c, entry - direction * 20, direction, 240);
+    const Vec3 start = entry - direction * 20;
+    std::cout << "from " << start.x << ", " << start.y << ", " << start.z << " mm (LPS), 20 mm before the entry:\n";
+    walk(c, start, direction, 240);
   } catch (const Error& e) {
     std::cerr << e.line("case_reader") << "\n";
     return static_cast<int>(e.code());
