@@ -210,7 +210,8 @@ DeviceType adaptor_device() {
   type.help = "a vendor's device behind a shared library";
   type.example = "--device adaptor --adaptor ./libvendor.so --seconds 60";
   type.files = {cli::argument("adaptor", cli::Argument::Kind::in_file,
-                              "Shared library with the ten functions of simulator/device/adaptor.h.")};
+                              "Shared library with the ten functions of simulator/device/adaptor.h (installed: "
+                              "include/trephine/device/adaptor.h).")};
   type.groups = {cli::ParameterGroup::of<AdaptorParams>("Device behind a library")};
   type.lives = true;
   type.seat = [](const DeviceChoice& choice) {

@@ -48,6 +48,10 @@ while read -r header; do
   echo "#include \"$header\"" | c++ -std=c++17 -fsyntax-only -I"$include" -x c++ - || fail "$header needs what is not installed"
 done <"$work/headers"
 
+# Who writes an adaptor for a device needs its header, in C.
+"${CC:-cc}" -std=c99 -pedantic -Wall -Wextra -Werror -shared -fPIC -I"$include" -o "$work/adaptor.so" "$SOURCE/tests/adaptor_stub.c" ||
+  fail "no adaptor can be made with what is installed"
+
 # A plug-in: all of it within a shared library.
 c++ -shared -o "$work/plugin.so" -Wl,--whole-archive $(find "$work/moved" -name "libtrephine_*.a") \
   -Wl,--no-whole-archive -Wl,-z,defs -lfmt -lcrypto -ltbb -lz 2>"$work/log" || { cat "$work/log"; fail "no shared library can be made of it"; }
