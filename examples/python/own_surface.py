@@ -20,7 +20,7 @@ few = trephine.decimate(full, max_deviation_mm=0.1)
 print(f"{len(full.triangles)} triangles, then {len(few.value.triangles)}: {few.figures['stopped_by']}")
 even = trephine.smooth(few.value, reference=full, total_deviation_mm=0.2).value
 
-hole = trephine.burr_hole(even, position_mm=[0, 0, 36], diameter_mm=12)
+hole = trephine.burr_hole(full, position_mm=[0, 0, 36], diameter_mm=12)
 print(f"bone of {hole.figures['bone_thickness_mm']:.1f} mm under the hole")
 cut = trephine.cut(even, hole.value)
 skull = trephine.normals(cut.value).value

@@ -5,8 +5,8 @@ _OF_INPUT = (64, 65, 78)
 
 
 class Error(Exception):
-    """str() is the line that the program prints. exit_code is the program's (docs/reference/exit-codes.md); file and field say
-    where, and may be empty."""
+    """str() is one line; where a file or a result is wrong, the line that the program prints. exit_code is one of
+    docs/reference/exit-codes.md; file and field say where, and may be empty."""
 
     def __init__(self, exit_code: int, line: str, file: str = "", field: str = ""):
         super().__init__(line)
@@ -17,7 +17,7 @@ class Error(Exception):
 
 
 class InputError(Error, ValueError):
-    """Something that was given is wrong: data (65), a parameter (64, 78)."""
+    """Something that was given is wrong: data, or the name or range of a parameter (65), a choice (64, 78)."""
 
 
 def make(exit_code: int, line: str, file: str, field: str) -> Error:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stages on arrays: the functions behind the commands of `trephine` with the same names, and the same parameters by name
-(`trephine decimate --help`). Each gives an Outcome. Ctrl-C ends them, and other threads of Python go on."""
+"""Stages on arrays: the functions behind commands of `trephine`, with the same parameters by name (`trephine decimate --help`).
+burr_hole is the command burrhole, cut is boolean; the others have the command's name, but for check, which is none. Each gives an Outcome. Ctrl-C ends them, and other threads of Python go on."""
 import json
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 

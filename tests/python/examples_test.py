@@ -78,6 +78,7 @@ class Examples(common.Case):
         script = "\n".join(blocks).replace("out/sample", str(common.sample_case("head")))
         done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=common.WORK)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertRegex(done.stdout, r"(?m)^skull [\d.]+ \{.*'skull': [1-9]", "its drill cuts no bone")
 
     def test_stubs_name_what_there_is(self):
         package = pathlib.Path(trephine.__file__).parent
