@@ -87,8 +87,7 @@ void check_paths(const ParsedCommand& parsed) {
           break;
       }
       const bool is_scan = a.kind == Argument::Kind::in_scan;
-      if (!fault.empty())
-        faults.emplace_back(code, is_scan ? "scan" : value, a.positional ? usage_of(a) : flag_of(a.name), fault);
+      if (!fault.empty()) faults.emplace_back(code, is_scan ? "scan" : value, name_of(a), fault);
     }
   if (!faults.empty()) throw ErrorList(faults);
 }

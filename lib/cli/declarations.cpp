@@ -86,12 +86,16 @@ std::string placeholder_of(const Parameter& parameter) {
   return all;
 }
 
-std::string usage_of(const Argument& argument) {
-  if (!argument.positional) return flag_of(argument.name) + " " + placeholder_of(argument);
-  if (argument.kind == Argument::Kind::choice) return placeholder_of(argument);
+std::string name_of(const Argument& argument) {
+  if (!argument.positional) return flag_of(argument.name);
   std::string name = argument.name;
   for (char& c : name) c = c == '_' ? '-' : static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
   return name;
+}
+
+std::string usage_of(const Argument& argument) {
+  if (!argument.positional) return name_of(argument) + " " + placeholder_of(argument);
+  return argument.kind == Argument::Kind::choice ? placeholder_of(argument) : name_of(argument);
 }
 
 std::string usage_of(const Parameter& parameter) {

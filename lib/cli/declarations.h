@@ -23,7 +23,9 @@ std::string flag_of(const std::string& name);
 std::string placeholder_of(const Argument& argument);
 /// The placeholder for a parameter's value: NUMBER, X,Y,Z, ..., "" for a flag.
 std::string placeholder_of(const Parameter& parameter);
-/// Such as "--volume FILE" or "CONFIG".
+/// How a message names an argument: "--volume", or "CONFIG" of one that is given by its place.
+std::string name_of(const Argument& argument);
+/// Such as "--volume FILE" or "CONFIG"; of a choice that is given by its place the choices.
 std::string usage_of(const Argument& argument);
 /// Such as "--max-deviation-mm NUMBER" or "--[no-]check".
 std::string usage_of(const Parameter& parameter);

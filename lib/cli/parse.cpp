@@ -120,16 +120,17 @@ class Parser {
   }
 
   void read_argument(const Argument& a, const std::vector<std::string>& values) {
-    const std::string field = a.positional ? usage_of(a) : flag_of(a.name);
+    const std::string field = name_of(a);
+    const std::string asked = a.kind == Argument::Kind::choice ? "must be " + placeholder_of(a) : "";
     if (values.empty()) {
-      if (a.required) fault(field, "is needed: " + a.help);
+      if (a.required) fault(field, "is needed: " + a.help + (asked.empty() ? "" : " It " + asked + "."));
       return;
     }
     if (values.size() > 1 && !a.repeated) fault(field, "was given " + std::to_string(values.size()) + " times");
     for (const std::string& v : values) {
       if (v.empty() && a.kind != Argument::Kind::text) fault(field, "is empty");
       if (a.kind == Argument::Kind::choice && std::find(a.choices.begin(), a.choices.end(), v) == a.choices.end())
-        fault(field, v + ": must be " + placeholder_of(a));
+        fault(field, v + ": " + asked);
     }
     parsed_.arguments[a.name] = values;
   }

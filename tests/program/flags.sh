@@ -3,6 +3,9 @@
 # Every number that a command declares, given beyond both ends of its range: 64, naming flag, value and range. And the
 # values that only the command's own work finds wrong: 64 too where there is no configuration.
 . "$(dirname "$0")/common.sh"
+# A choice that is given by its place is named, and the message lists what it may be.
+expect 64 ' completion: SHELL: csh: must be bash\|zsh\|fish$' "$TREPHINE" completion csh
+expect 64 ' completion: SHELL: is needed: Which shell\. It must be bash\|zsh\|fish\.$' "$TREPHINE" completion
 "$TREPHINE" reference --out "$work/reference"
 python3 - "$TREPHINE" "$work/reference/parameters.schema.json" <<'PY'
 import json, subprocess, sys
