@@ -23,11 +23,12 @@ enum { TREPHINE_EXACT = 0, TREPHINE_STEPPED = 1 };    /* walk */
 enum { TREPHINE_SUBVOXEL = 0, TREPHINE_NEAREST = 1 }; /* surface */
 enum { TREPHINE_FRONT = 1, TREPHINE_BACK = 2, TREPHINE_FRONT_AND_BACK = 3, TREPHINE_NO_FACE = 0 };
 
-/* A window of raw values is a shape; windows are disjoint. Of encoding TREPHINE_OCCUPANCY only `number` counts. */
+/* A window of raw values is a shape; windows are disjoint. Encoding TREPHINE_OCCUPANCY does not look at `low` and
+ * `high`. */
 typedef struct {
   int32_t number; /* 1 to 32 */
   int16_t low, high;
-  int32_t touchable; /* faces that stop the tool */
+  int32_t touchable; /* faces that stop the tool, TREPHINE_FRONT and so on; 0: none, it is never met */
 } trephine_shape;
 
 /* Copies size[0] * size[1] * size[2] voxels, i fastest. direction: 9 numbers, column by column, orthonormal; NULL: the
