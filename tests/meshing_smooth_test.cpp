@@ -189,6 +189,15 @@ TEST(Normals, LookOutwardsAndKeepTheMesh) {
   }
 }
 
+// A flat triangle with an obtuse angle, turned by 90 degrees for a point that is off by 0.02 mm, makes no dark spot.
+TEST(Normals, ASlenderTriangleTurnsNone) {
+  surface::TriMesh m;
+  m.points_mm = {{0, 0, 0.02}, {-2, 0, 0}, {2, 0, 0}, {0, 2, 0}};
+  m.triangles = {{0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
+  meshing::compute_normals(m, meshing::NormalsParams());
+  EXPECT_GT(m.normals[0].z, 0.999);
+}
+
 TEST(Normals, AreNeverZero) {
   surface::TriMesh m;  // two triangles back to back, and a point of no triangle
   m.points_mm = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 5, 5}};

@@ -2,10 +2,10 @@
 #include "meshing/normals.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/parallel.h"
 #include "surface/incidence.h"
+#include "surface/vertex_normals.h"
 
 namespace trephine::meshing {
 
@@ -29,8 +29,7 @@ NormalsResult compute_normals(surface::TriMesh& mesh, const NormalsParams& param
         const Vec3 a = in.points_mm[v[(c + 1) % 3]] - in.points_mm[p];
         const Vec3 b = in.points_mm[v[(c + 2) % 3]] - in.points_mm[p];
         const Vec3 twice_area = cross(a, b);
-        const double weight =
-            params.weight == NormalWeight::area ? norm(twice_area) : std::atan2(norm(twice_area), dot(a, b));
+        const double weight = params.weight == NormalWeight::area ? norm(twice_area) : surface::steady_angle(a, b);
         sum += normalized(twice_area) * weight;
         total += weight;
         if (norm(twice_area) > norm(largest)) largest = twice_area;

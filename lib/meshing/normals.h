@@ -14,8 +14,9 @@ struct NormalsParams {
   template <class V>
   static void describe(V& v) {
     using P = NormalsParams;
-    v.choice(&P::weight, "weight", {{"area", NormalWeight::area}, {"angle", NormalWeight::angle}},
-             "Weight of a triangle at its point: its area, or its angle there.");
+    v.choice(
+        &P::weight, "weight", {{"area", NormalWeight::area}, {"angle", NormalWeight::angle}},
+        "Weight of a triangle at its point: its area, or its angle there, of which less counts where it is slender.");
   }
 };
 
@@ -33,9 +34,10 @@ struct NormalsResult {
 };
 
 /// Gives each point one unit normal, the weighted mean of its triangles' normals, which faces the way that these do
-/// (outwards for a closed surface). Points and triangles stay as they are (no vertex is split at an edge), so a closed
-/// mesh stays closed; an open mesh is accepted too. Where the mean vanishes, the normal of the largest triangle there
-/// is used and counted; a point without triangles gets (0, 0, 1). Throws as check_mesh does.
+/// (outwards for a closed surface; by angle as surface::steady_angle says). Points and triangles stay as they are (no
+/// vertex is split at an edge), so a closed mesh stays closed; an open mesh is accepted too. Where the mean vanishes,
+/// the normal of the largest triangle there is used and counted; a point without triangles gets (0, 0, 1). Throws as
+/// check_mesh does.
 NormalsResult compute_normals(surface::TriMesh& mesh, const NormalsParams& params, const Progress& progress = {});
 
 }  // namespace trephine::meshing

@@ -8,7 +8,7 @@ namespace trephine::stages {
 StageType boolean_stage() {
   StageType s;
   s.name = "boolean";
-  s.version = 2;
+  s.version = 3;
   s.typical.base_s = 1.5;
   s.place = StagePlace::scene;
   s.summary = "cuts burr holes and other solids out of a surface";

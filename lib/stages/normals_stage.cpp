@@ -8,7 +8,7 @@ namespace trephine::stages {
 StageType normals_stage() {
   StageType s;
   s.name = "normals";
-  s.version = 1;
+  s.version = 2;
   s.typical.base_s = 0.01;
   s.summary = "gives every point of a surface a normal";
   s.description =

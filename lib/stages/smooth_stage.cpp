@@ -8,7 +8,7 @@ namespace trephine::stages {
 StageType smooth_stage() {
   StageType s;
   s.name = "smooth";
-  s.version = 4;
+  s.version = 5;
   s.typical.base_s = 0.08;
   s.summary = "smooths a surface within a bound in mm";
   s.description =

@@ -12,4 +12,9 @@ namespace trephine::surface {
 /// (meshing/normals.h offers other weights and handles normals that vanish.)
 std::vector<Vec3> vertex_normals(const TriMesh& mesh);
 
+/// The angle between two edges of a triangle, radians, as far as its normal can be relied on: with height h over its
+/// longest edge it counts by h^2 / (h^2 + (0.2 mm)^2). Points that are off by so much turn a lower triangle anywhere,
+/// and at an obtuse corner the whole angle would give it half of all weights.
+double steady_angle(Vec3 a, Vec3 b);
+
 }  // namespace trephine::surface
