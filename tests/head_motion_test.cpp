@@ -74,6 +74,8 @@ TEST(Motion, IsSaidByTheVerdictOnAScan) {
   EXPECT_NEAR(std::get<double>(*moved.find("motion_mm")), 5, 0.8);
   for (const char* name : {"skin", "skull", "brain"})
     EXPECT_EQ(std::get<std::string>(*moved.find(name)), "doubtful") << name;
+  EXPECT_NE(std::get<std::string>(*moved.find("skull_because")).find("the head moved by"), std::string::npos);
+  EXPECT_EQ(still.find("skull_because"), nullptr);
   ASSERT_FALSE(moved.warnings.empty());
   EXPECT_NE(moved.warnings.back().find("mm farther to the left"), std::string::npos) << moved.warnings.back();
   EXPECT_NE(moved.warnings.back().find("mm farther to the front"), std::string::npos) << moved.warnings.back();

@@ -282,8 +282,7 @@ TEST(HeadContent, AVerdictSaysWhereTheScanEndsInAnAnatomy) {
   region.cut = {{"skin", "above and on its left side"}, {"brain", "above"}};
   mask::ScanResult scan;
   scan.suited.brain = mask::Suitability::doubtful;
-  scan.figures.slice_step_mm = 5;
-  scan.figures.noise_hu = 4;
+  scan.because.brain = "slices of 5 mm";
   cases::CaseManifest m;
   m.missing.push_back({"dura", "a test"});
   stages::CaseParts parts;
@@ -294,7 +293,7 @@ TEST(HeadContent, AVerdictSaysWhereTheScanEndsInAnAnatomy) {
   EXPECT_EQ(verdict({"skin", "skull", "brain", "dura"}),
             "skin: cut off above and on its left side; skull: good; brain: cut off above; dura: left out");
   stages::stage_named("scan").contribute(AnyParams::make(scan), parts);
-  EXPECT_EQ(verdict({"skull", "brain"}), "skull: good; brain: doubtful, cut off above (slices of 5 mm, noise of 4 HU)");
+  EXPECT_EQ(verdict({"skull", "brain"}), "skull: good; brain: doubtful, cut off above (slices of 5 mm)");
 }
 
 TEST(HeadContent, ALandmarkThatIsNotSureEnoughIsRefusedSayingHowToGiveIt) {

@@ -42,6 +42,7 @@ void blame(const Motion& m, ScanVerdict& verdict) {
          {"side", left > 0 ? "left" : "right"},
          {"along_mm", std::abs(back)},
          {"end", back > 0 ? "back" : "front"}}},
+       fmt::format("the head moved by {:.1f} mm", norm(m.by_mm)),
        "choose another series, or look at the step in the pictures"});
 }
 
@@ -97,28 +98,31 @@ std::string ScanSuitability::text() const {
 
 ScanVerdict judge_scan(const ScanFigures& f, const ScanLimits& limits) {
   ScanVerdict out;
-  const auto give_reason = [&](Suitability s, std::vector<std::string> of, Warning why, const char* remedy) {
-    out.reasons.push_back({s, std::move(of), std::move(why), remedy});
+  const std::string noise = fmt::format("noise of {:.0f} HU", f.noise_hu);
+  const auto give_reason = [&](Suitability s, std::vector<std::string> of, Warning why, std::string brief,
+                               const char* remedy) {
+    out.reasons.push_back({s, std::move(of), std::move(why), std::move(brief), remedy});
   };
   if (const Suitability s = above(f.slice_step_mm, limits.doubtful_slice_mm, limits.unsuited_slice_mm);
       s != Suitability::suited) {
     for (Suitability* of : {&out.brain, &out.ventricles, &out.skull}) worsen(*of, s);
     give_reason(s, {"brain", "ventricles", "skull"},
                 {"slices_far_apart", "slices {step_mm:.1f} mm apart", {{"step_mm", f.slice_step_mm}}},
+                fmt::format("slices of {:.3g} mm", f.slice_step_mm),
                 "choose the series with slices of 1 mm (import --list shows all), or scan with such");
   }
   if (f.edge_mm > limits.doubtful_edge_mm) {
     worsen(out.skull, Suitability::doubtful);
     give_reason(Suitability::doubtful, {"skull"},
                 {"edges_blurred", "edges are blurred over {edge_mm:.1f} mm", {{"edge_mm", f.edge_mm}}},
-                "choose a series of a sharper kernel for bone");
+                fmt::format("edges blurred over {:.1f} mm", f.edge_mm), "choose a series of a sharper kernel for bone");
   }
   if (!f.known()) {
     out.kernel = "unknown";
     for (Suitability* of : {&out.brain, &out.ventricles, &out.skull, &out.skin})
       if (*of == Suitability::suited) *of = Suitability::unknown;
     give_reason(Suitability::unknown, {},
-                {"noise_unknown", "noise could not be measured: too little even soft tissue in the scan", {}}, "");
+                {"noise_unknown", "noise could not be measured: too little even soft tissue in the scan", {}}, "", "");
     return out;
   }
   const bool sharp = f.neighbour_correlation_ratio < sharp_correlation && f.pixel_mm < 0.75;
@@ -137,6 +141,7 @@ ScanVerdict judge_scan(const ScanFigures& f, const ScanLimits& limits) {
                  std::string("noise of {noise_hu:.0f} HU a voxel, {cube_noise_hu:.0f} HU in a cube of 2 mm") +
                      (sharp ? ", of a kernel that enhances edges" : ""),
                  {{"noise_hu", f.noise_hu}, {"cube_noise_hu", f.cube_noise_hu}}},
+                noise,
                 sharp ? "choose the series with the softer kernel, where the study holds one: `trephine import --list` "
                         "shows all, and import.series takes one"
                       : "choose a series of thicker slices or a smoother kernel, or denoise it before");
@@ -145,7 +150,7 @@ ScanVerdict judge_scan(const ScanFigures& f, const ScanLimits& limits) {
       s != Suitability::suited) {
     worsen(out.skull, s);
     give_reason(s, {"skull"}, {"noise_in_bone", "noise of {noise_hu:.0f} HU a voxel", {{"noise_hu", f.noise_hu}}},
-                "choose a series of a smoother kernel or thicker slices");
+                noise, "choose a series of a smoother kernel or thicker slices");
   }
   if (f.noise_hu > limits.doubtful_skin_noise_hu) {
     out.skin = Suitability::doubtful;
@@ -153,7 +158,7 @@ ScanVerdict judge_scan(const ScanFigures& f, const ScanLimits& limits) {
                 {"noise_in_skin",
                  "noise of {noise_hu:.0f} HU a voxel tears it where fat lies below",
                  {{"noise_hu", f.noise_hu}}},
-                "choose a series of a smoother kernel or thicker slices");
+                noise, "choose a series of a smoother kernel or thicker slices");
   }
   if (waxy) {
     worsen(out.ventricles, Suitability::doubtful);
@@ -166,7 +171,7 @@ ScanVerdict judge_scan(const ScanFigures& f, const ScanLimits& limits) {
                     : Warning{"denoised",
                               "noise of only {cube_noise_hu:.1f} HU in a cube of 2 mm: strongly denoised",
                               {{"cube_noise_hu", f.cube_noise_hu}}},
-                "choose the series without iterative reconstruction or with less of it");
+                "strongly denoised", "choose the series without iterative reconstruction or with less of it");
   }
   if (f.artefact_ratio > limits.doubtful_artefact_ratio) {
     worsen(out.brain, Suitability::doubtful);
@@ -175,7 +180,7 @@ ScanVerdict judge_scan(const ScanFigures& f, const ScanLimits& limits) {
                 {"artefacts",
                  "{artefacts_percent:.0f} % of the soft tissue is far more uneven than noise (streaks, blood, motion)",
                  {{"artefacts_percent", 100 * f.artefact_ratio}}},
-                "choose a series with metal artefact reduction, and look at the pictures");
+                "uneven soft tissue", "choose a series with metal artefact reduction, and look at the pictures");
   }
   return out;
 }
@@ -193,6 +198,12 @@ Outcome<std::monostate, ScanResult> judge_scan(const grid::HuVolume& volume, con
   for (const ScanReason& r : verdict.reasons) {
     out.warnings.push_back(r.warning());
     remedy += (remedy.empty() ? "" : ". ") + trephine::to_text(out.warnings.back());
+    ScanBecause& because = out.result.because;
+    for (const auto& [anatomy, text] : {std::pair{"brain", &because.brain},
+                                        {"ventricles", &because.ventricles},
+                                        {"skull", &because.skull},
+                                        {"skin", &because.skin}})
+      if (r.concerns(anatomy)) *text += (text->empty() ? "" : ", ") + r.brief;
   }
   out.result.kernel = verdict.kernel;
   out.result.suited = verdict;

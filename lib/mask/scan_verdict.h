@@ -86,6 +86,7 @@ struct ScanReason {
   Suitability is = Suitability::doubtful;
   std::vector<std::string> of;  ///< anatomies; empty: of every one it cannot be said
   Warning why;                  ///< what was measured
+  std::string brief;            ///< the same in a few words
   std::string remedy;           ///< what a person can do; empty: nothing
   bool concerns(const std::string& anatomy) const;
   std::string verdict() const;  ///< "doubtful for skull: noise of 90 HU a voxel"
@@ -99,12 +100,26 @@ struct ScanVerdict : ScanSuitability {
 
 ScanVerdict judge_scan(const ScanFigures& figures, const ScanLimits& limits);
 
+/// Why the scan is not suited, by anatomy, in a few words; empty where it is.
+struct ScanBecause {
+  std::string brain, ventricles, skull, skin;
+  template <class V>
+  static void describe(V& v) {
+    using P = ScanBecause;
+    v.text(&P::brain, "brain_because", "Why the scan is not suited for the brain, in words.").not_always();
+    v.text(&P::ventricles, "ventricles_because", "Why it is not for the ventricles.").not_always();
+    v.text(&P::skull, "skull_because", "Why it is not for the skull.").not_always();
+    v.text(&P::skin, "skin_because", "Why it is not for the skin.").not_always();
+  }
+};
+
 /// The stage's result.
 struct ScanResult {
   ScanFigures figures;
   std::optional<double> motion_mm;  ///< where the head moved (mask/motion.h)
   std::string kernel;
   ScanSuitability suited;
+  ScanBecause because;
   std::string verdict, remedy;  ///< in words
   template <class V>
   static void describe(V& v) {
@@ -113,6 +128,7 @@ struct ScanResult {
     v.number(&P::motion_mm, "motion_mm", "How far the head moved between two slices.");
     v.text(&P::kernel, "kernel", "soft, sharp, denoised or unknown.");
     v.all_of(&P::suited);
+    v.all_of(&P::because);
     v.text(&P::verdict, "verdict", "What the scan is suited for, in words.");
     v.text(&P::remedy, "remedy", "What a person can do, in words.");
   }

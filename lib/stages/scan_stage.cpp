@@ -11,7 +11,7 @@ namespace trephine::stages {
 StageType scan_stage() {
   StageType s;
   s.name = "scan";
-  s.version = 4;
+  s.version = 5;
   s.typical.base_s = 0;
   s.typical.per_million_voxels_s = 0.006;
   s.place = StagePlace::scan;
@@ -29,15 +29,12 @@ StageType scan_stage() {
   s.contribute = [](const AnyParams& result, CaseParts& parts) {
     const auto& scan = result_as<mask::ScanResult>(result);
     parts.checks = figures_named("scan.", result);
-    const std::string why =
-        fmt::format("slices of {:.3g} mm, noise of {:.0f} HU{}", scan.figures.slice_step_mm, scan.figures.noise_hu,
-                    scan.motion_mm ? fmt::format(", the head moved by {:.1f} mm", *scan.motion_mm) : "");
-    for (const auto& [anatomy, is] : {std::pair{"brain", scan.suited.brain},
-                                      {"ventricles", scan.suited.ventricles},
-                                      {"skull", scan.suited.skull},
-                                      {"skin", scan.suited.skin}})
+    for (const auto& [anatomy, is, why] : {std::tuple{"brain", scan.suited.brain, &scan.because.brain},
+                                           {"ventricles", scan.suited.ventricles, &scan.because.ventricles},
+                                           {"skull", scan.suited.skull, &scan.because.skull},
+                                           {"skin", scan.suited.skin, &scan.because.skin}})
       if (is == mask::Suitability::doubtful || is == mask::Suitability::unsuited)
-        parts.evidence.push_back({anatomy, "", why});
+        parts.evidence.push_back({anatomy, "", *why});
   };
   s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
     return stage_outcome(mask::judge_scan(*in.get<grid::HuVolume>("volume"), params.as<mask::ScanLimits>(), progress));
