@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "craniometry_found.h"
+#include "head/landmarks_parts.h"
 #include "report_of.h"
 
 namespace trephine {
@@ -124,6 +125,29 @@ TEST(LandmarksEarned, AnEarOnWhichSomethingLayIsDoubtful) {
   for (const char* name : {"tragus_left", "tragus_right"}) EXPECT_GT(confidence(bare, name), 0.8) << name;
   // With one ear doubtful the other is too, and with them the level by which these are found.
   for (const char* name : {"inion", "vertex"}) EXPECT_LT(confidence(found, name), 0.6 * confidence(bare, name)) << name;
+}
+
+// The reason that a doubtful landmark is given is the one that lowered it most, and names no figure that is harmless.
+TEST(LandmarksEarned, TheStrongestReasonIsGiven) {
+  mask::ScanFigures thick;
+  thick.slice_step_mm = 4.9;
+  thick.tiles_count = 100;
+  thick.noise_hu = 4;
+  head::HeadLandmarks all;
+  for (const char* name : {"inion", "nasion", "tragus_left"}) all.landmarks.push_back({name, {}, 0.6, "found"});
+  head::Reasons reasons;
+  head::hold_to_scan(all, {}, thick, reasons);
+  EXPECT_EQ(reasons.of("inion"), "slices of 4.9 mm show it no better");
+  head::lower_confidence(all.landmarks[2], 0.4, "no ear", reasons);
+  head::hold_to_level(all, {}, reasons);
+  EXPECT_EQ(reasons.of("inion"), "the tragi and the nasion, by which the head is levelled, are doubtful");
+  EXPECT_EQ(reasons.of("tragus_left"), "no ear");
+  EXPECT_EQ(reasons.of("nasion"), "slices of 4.9 mm show it no better");
+  EXPECT_EQ(reasons.of("vertex"), "");
+  thick.noise_hu = 150;
+  head::Reasons noisy;
+  head::hold_to_scan(all, {}, thick, noisy);
+  EXPECT_EQ(noisy.of("nasion"), "slices of 4.9 mm and noise of 150 HU show it no better");
 }
 
 }  // namespace

@@ -122,7 +122,9 @@ class Finder {
     if (found && found->confidence >= min_confidence && lies_in_scan(found->position_mm))
       out_.landmarks.push_back({name, found->position_mm, found->confidence, source});
     else
-      not_found(name, !found ? otherwise : why_.count(name) ? why_[name] : "too near the scan's edge, or doubtful");
+      not_found(name, !found                   ? otherwise
+                      : !why_.of(name).empty() ? why_.of(name)
+                                               : "too near the scan's edge, or doubtful");
   }
   /// What a person gave stays, and where it is found elsewhere that is told.
   void add_or_doubt(const char* name, const std::optional<FoundPoint>& found, const char* otherwise) {
@@ -295,7 +297,7 @@ class Finder {
               "the coronal suture has grown together at the midline, and is seen beside it alone");
       return add("bregma", seen, "found", "");
     }
-    why_["bregma"] = "the coronal suture is not seen; the usual distance from the nasion is an estimate";
+    why_.note("bregma", 0, "the coronal suture is not seen; the usual distance from the nasion is an estimate");
     if (estimated) estimated->confidence *= confidence_of("nasion");
     add("bregma", estimated, "estimated", "the skin ends before, at the scan's edge");
   }
@@ -329,7 +331,7 @@ class Finder {
       }
       // The confidence includes the plane's already, through the nasion's.
       FoundPoint found{*p, 0.95 * base};
-      if (base < doubtful_confidence) why_.emplace(name, "it is measured from the nasion, which is doubtful");
+      if (base < doubtful_confidence) why_.note(name, base, "it is measured from the nasion, which is doubtful");
       const double soft_mm = soft_tissue_mm(skull, *p, normalized(middle - *p));
       lower(found, name, std::max(0.3, scalp_ratio(soft_mm)), fmt::format("bone lies {:.0f} mm below", soft_mm));
       if (suture_mm) {
@@ -345,9 +347,8 @@ class Finder {
     }
   }
 
-  /// Multiplies the confidence, and remembers why where that is what makes it doubtful.
   void lower(FoundPoint& p, const std::string& name, double factor, const std::string& why) {
-    if (factor < 1 && !why_.count(name)) why_[name] = why;
+    why_.note(name, factor, why);
     p.confidence *= factor;
   }
   void lower(cases::CaseLandmark& l, double factor, const std::string& why) {
@@ -370,8 +371,8 @@ class Finder {
   LandmarksResult result_;
   Warnings warnings_;
   HeadFrame head_;
-  std::optional<MidlineArc> arc_;           ///< none without a nasion
-  std::map<std::string, std::string> why_;  ///< a landmark is doubtful
+  std::optional<MidlineArc> arc_;  ///< none without a nasion
+  Reasons why_;
   double ears_level_mm_ = 0, leap_mm_ = 0;
   bool levelled_ = false;
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/joined.h"
 #include "head/landmarks_parts.h"
 #include "mask/filters.h"
 
@@ -14,13 +15,21 @@ namespace {
 constexpr double tolerance_mm = 5;  ///< how far a reader's own points of one landmark lie apart
 /// The contrast by which a landmark is seen: skin against air, bone against what lies beside it, fluid against brain.
 constexpr double skin_hu = 500, suture_hu = 250, fluid_hu = 20;
-constexpr double worth_telling = 0.85;
+constexpr double worth_telling = 0.85, of_no_account = 0.97;
 constexpr double beside_mm = 12, apart_mm = 3;  ///< where and how densely the skin about a point is looked at
 constexpr double above_skin_mm = 9;
 constexpr double of_a_doubtful_level = 0.5;
 constexpr float apparatus_hu = -700, air_hu = -900;
 
 double share_of(double error, double tolerance) { return 1 / (1 + error * error / (tolerance * tolerance)); }
+
+double allowed_by_slices(const mask::ScanFigures& scan) { return share_of(scan.slice_step_mm / 2, tolerance_mm); }
+
+double allowed_by_noise(const std::string& name, const mask::ScanFigures& scan) {
+  if (!scan.known()) return 1;
+  if (name.rfind("monro", 0) == 0) return share_of(scan.cube_noise_hu, fluid_hu);
+  return share_of(scan.noise_hu, name == "bregma" ? suture_hu : skin_hu);
+}
 
 /// The value of the voxel at the point; air outside.
 float hu_near(const mask::HuView& hu, Vec3 world_mm) {
@@ -32,24 +41,22 @@ float hu_near(const mask::HuView& hu, Vec3 world_mm) {
 }  // namespace
 
 double allowed_by_scan(const std::string& name, const mask::ScanFigures& scan) {
-  const double of_slices = share_of(scan.slice_step_mm / 2, tolerance_mm);
-  if (!scan.known()) return of_slices;
-  if (name.rfind("monro", 0) == 0) return of_slices * share_of(scan.cube_noise_hu, fluid_hu);
-  return of_slices * share_of(scan.noise_hu, name == "bregma" ? suture_hu : skin_hu);
+  return allowed_by_slices(scan) * allowed_by_noise(name, scan);
 }
 
 void hold_to_scan(HeadLandmarks& all, const std::set<std::string>& given, const mask::ScanFigures& scan,
                   Reasons& reasons) {
   for (cases::CaseLandmark& l : all.landmarks) {
     if (given.count(l.name) || l.source == "estimated") continue;
-    const double allowed = allowed_by_scan(l.name, scan);
-    if (allowed > worth_telling)
-      l.confidence *= allowed;
-    else
-      lower_confidence(l, allowed,
-                       fmt::format("slices of {:.1f} mm and noise of {:.0f} HU show it no better", scan.slice_step_mm,
-                                   scan.noise_hu),
-                       reasons);
+    const double by_slices = allowed_by_slices(scan), by_noise = allowed_by_noise(l.name, scan);
+    if (by_slices * by_noise > worth_telling) {
+      l.confidence *= by_slices * by_noise;
+      continue;
+    }
+    std::vector<std::string> causes;
+    if (by_slices < of_no_account) causes.push_back(fmt::format("slices of {:.1f} mm", scan.slice_step_mm));
+    if (by_noise < of_no_account) causes.push_back(fmt::format("noise of {:.0f} HU", scan.noise_hu));
+    lower_confidence(l, by_slices * by_noise, joined(causes, " and ") + " show it no better", reasons);
   }
 }
 

@@ -14,7 +14,7 @@ constexpr double of_a_lone_tragus = 0.45, of_a_lone_foramen = 0.65;
 }
 
 void lower_confidence(cases::CaseLandmark& landmark, double factor, const std::string& reason, Reasons& reasons) {
-  if (factor < 1) reasons.emplace(landmark.name, reason);
+  reasons.note(landmark.name, factor, reason);
   landmark.confidence *= factor;
 }
 
@@ -75,8 +75,8 @@ Warnings leave_out_what_is_none(HeadLandmarks& all, const std::set<std::string>&
   };
   for (const cases::CaseLandmark& l : all.landmarks) {
     if (given.count(l.name) || l.confidence >= doubtful_confidence) continue;
-    const auto reason = reasons.find(l.name);
-    const std::string because = reason == reasons.end() ? "" : ": " + reason->second;
+    const std::string& reason = reasons.of(l.name);
+    const std::string because = reason.empty() ? "" : ": " + reason;
     if (is_none(l))
       warnings.push_back(
           {"landmark_not_found", "{landmark} not found{because}", {{"landmark", l.name}, {"because", because}}});

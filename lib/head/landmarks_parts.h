@@ -56,9 +56,27 @@ std::optional<Warning> doubt_given(const cases::CaseLandmark& given, const std::
 constexpr double min_confidence = 0.05;      ///< a landmark below this is left out
 constexpr double doubtful_confidence = 0.5;  ///< each landmark below this is told of
 
-/// Why landmarks are doubtful, by name.
-using Reasons = std::map<std::string, std::string>;
-/// Multiplies the confidence, and keeps the reason where it is the first one.
+/// Why landmarks are doubtful, by name: of each the reason that lowered its confidence most.
+struct Reason {
+  double factor = 1;
+  std::string text;
+};
+class Reasons {
+ public:
+  void note(const std::string& name, double factor, const std::string& text) {
+    Reason& kept = all_[name];
+    if (factor < kept.factor) kept = {factor, text};
+  }
+  const std::string& of(const std::string& name) const {  ///< empty: there is none
+    static const std::string none;
+    const auto kept = all_.find(name);
+    return kept == all_.end() ? none : kept->second.text;
+  }
+
+ private:
+  std::map<std::string, Reason> all_;
+};
+/// Multiplies the confidence, and notes the reason.
 void lower_confidence(cases::CaseLandmark& landmark, double factor, const std::string& reason, Reasons& reasons);
 /// An ear is recognized by its shape alone, and a fold of a mask or the edge of the scan can look like one: a tragus
 /// whose other one was not found, or is doubtful, becomes doubtful too. What was given stays, and confirms the other.

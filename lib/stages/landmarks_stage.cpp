@@ -9,7 +9,7 @@ namespace trephine::stages {
 StageType landmarks_stage() {
   StageType s;
   s.name = "landmarks";
-  s.version = 13;
+  s.version = 14;
   s.typical.base_s = 0.5;
   s.typical.per_million_voxels_s = 0.008;
   s.place = StagePlace::scan;
