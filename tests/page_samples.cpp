@@ -88,7 +88,8 @@ void write_cases(const fs::path& out) {
   case_samples::MemoryCase c = case_samples::make_case({{"outer", 80, 60}, {"inner", 40, 50}}, 64);
   c.manifest.anatomies[0].colour_rgb = {0.9, 0.6, 0.5};
   c.manifest.anatomies[1].colour_rgb = {0.3, 0.4, 0.9};
-  c.manifest.figures = {{"class", std::string("normal")}, {"evans_index_ratio", 0.2625}};
+  c.manifest.figures = {
+      {"class", std::string("normal")}, {"evans_index_ratio", 0.2625}, {"verdict", std::string("skull: good")}};
   c.manifest.landmarks.push_back({"kocher_right", {-24.25, -50.5, 371.125}, 0.4, "estimated"});
   c.manifest.landmarks.push_back({"<img src=x onerror=\"document.title='taken'\">", {20, -20, 330}, 1, "given"});
   add_marker(c, 58);

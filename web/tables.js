@@ -41,6 +41,8 @@ function fillTables(viewer) {
     : page.felt
       ? 'Slices: the shapes of the haptic volume; the case holds no CT.'
       : 'The case holds neither CT nor haptic volume.'
+  const { verdict, ...figures } = data.figures
+  if (verdict) $('verdict').append(make('h2', '', 'Verdict'), make('p', '', verdict))
   data.warnings.forEach((w, n) => $('warnings').append(make('p', data.severities[n], w)))
   if (!data.warnings.length) $('warnings').append(make('p', 'good', 'No warnings.'))
   addTable(
@@ -128,7 +130,7 @@ function fillTables(viewer) {
     )
     addTable(viewer, 'holes', [], valueRows({ cut_from: b.cut.join(', '), ...b.figures }))
   }
-  addTable(viewer, 'figures', [], valueRows(data.figures))
+  addTable(viewer, 'figures', [], valueRows(figures))
   addTable(
     viewer,
     'provenance',

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A new case: a folder or archive below the roots, its series, and a configuration.
 #include <algorithm>
+#include <map>
 
 #include "base/hash.h"
 #include "base/progress.h"
@@ -60,6 +61,14 @@ void require_usable(const DeskLibrary& library, const fs::path& recipe, const fs
           "is not set: it needs a further scan; write the folder of it into a copy of the recipe, and choose that");
 }
 
+/// The configurations that belong to one case alone, with its holes and landmarks, and its token.
+std::map<fs::path, std::string> own_configs(DeskLibrary& library) {
+  std::map<fs::path, std::string> own;
+  for (const DeskCase& c : library.plan())
+    if (c.copied_from.empty()) own.emplace(fs::absolute(c.config).lexically_normal(), c.token);
+  return own;
+}
+
 Reply folders(DeskState& desk, const Request& request) {
   Json out = {{"path", request.value("path")}, {"folders", Json::array()}, {"archives", Json::array()}, {"files", 0}};
   if (request.value("path").empty()) {
@@ -101,7 +110,9 @@ Reply series(DeskState& desk, const Request& request) {
   Json recipes = Json::array();
   std::error_code error;
   const fs::path folder = fs::absolute(desk.library.options().config).parent_path();
+  const std::map<fs::path, std::string> own = own_configs(desk.library);
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (own.count(it->path().lexically_normal()) > 0) continue;
     if (it->path().extension() != ".yaml" || it->path().filename().string().front() == '.') continue;
     try {
       const config::YamlNode file = config::read_yaml(it->path());
@@ -152,6 +163,10 @@ Reply new_case(DeskState& desk, const Request& request) {
   if (recipe.find('/') != std::string::npos || recipe.empty() || recipe.front() == '.')
     throw Error(ExitCode::usage, "", "recipe", "must be a configuration beside LIBRARY.yaml");
   const DeskLock lock(desk.library);
+  const auto own = own_configs(desk.library);
+  if (const auto of = own.find(folder / recipe); of != own.end())
+    throw Error(ExitCode::usage, recipe, "recipe",
+                "is the configuration of " + of->second + " alone, with its holes and landmarks: choose another");
   const std::vector<char> bytes = read_file(file, 1 << 20);
   Json entry = {{"case", token}, {"series", scan.lexically_relative(folder).string()}, {"config", recipe}};
   if (!series.empty()) entry["set"] = {{"import.series", series}};

@@ -407,7 +407,9 @@ class Page:
         for row, l in zip(rows, self.manifest["landmarks"]):
             self.check(row[0] == l["name"] and [float(x) for x in row[1].split(", ")] == l["position_mm"] and float(row[2]) == l["confidence"] and row[3] == l["source"], f"the row of {l}: {row}")
         figures = self.b.js("return [...document.querySelectorAll('#figures tr')].slice(1).map(r => [r.cells[0].textContent, r.cells[1].title])")
-        self.check(figures == [[k.replace("_", " "), str(v)] for k, v in self.manifest["figures"].items()], f"figures: {figures}")
+        self.check(figures == [[k.replace("_", " "), str(v)] for k, v in self.manifest["figures"].items() if k != "verdict"], f"figures: {figures}")
+        first = self.b.js("const v = document.getElementById('verdict'), w = document.getElementById('warnings'); return [v.textContent, !!(v.compareDocumentPosition(w) & 4)]")
+        self.check(first == ["Verdict" + self.manifest["figures"]["verdict"], True], f"the verdict stands before the warnings: {first}")
         provenance = self.b.js("return document.getElementById('provenance').textContent")
         self.check(self.manifest["provenance"]["input_sha256"] in provenance and "outer.decimate.max deviation mm" in provenance, "provenance is told")
         self.check(self.b.js("return document.querySelectorAll('#trade circle.chosen').length") == 1, "the chosen point of the trade is marked")

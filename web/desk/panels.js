@@ -100,7 +100,8 @@ function lookPanel(page) {
     const mine = desk.cases.find(c => c.case === page.token),
       refusal = mine && mine.last_code ? `${mine.last_code}: ${mine.last_reason}` : ''
     const info = page.info || {},
-      figures = info.built ? Object.entries(info.built.figures) : []
+      { verdict, ...others } = info.built ? info.built.figures : {},
+      figures = Object.entries(others)
     return [
       heading('at'),
       where,
@@ -167,6 +168,7 @@ function lookPanel(page) {
         : null,
       heading('profile'),
       page.line ? chartOf(page) : para('faint', t('no_profile')),
+      ...(verdict ? [heading('verdict'), para('', verdict)] : []),
       heading('warnings'),
       !info.built
         ? [para('warn', t('not_built')), refusal ? refusalLine(page, refusal) : null].flat()

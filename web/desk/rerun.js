@@ -180,14 +180,16 @@ function rerunControls(page) {
   const rows = rerun.before
     ? Object.keys({ ...rerun.before, ...now }).map(name => {
         const a = rerun.before[name],
-          b = now[name]
+          b = now[name],
+          // A surface and a shape that is felt alone differ by how they are made: the comparison measures what is felt.
+          alike = a && b && !a.triangles === !b.triangles
         return make(
           'tr',
           {},
           make('td', {}, swatch(page.colourOf(name)), ' ' + label(name)),
           make('td', { class: 'number', text: a ? digits(a.volume_ml, 2) : '' }),
           make('td', { class: 'number', text: b ? digits(b.volume_ml, 2) : '' }),
-          make('td', { class: 'number', text: a && b ? signed(b.volume_ml - a.volume_ml) : '' })
+          make('td', { class: 'number', text: alike ? signed(b.volume_ml - a.volume_ml) : '' })
         )
       })
     : []

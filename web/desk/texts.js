@@ -50,7 +50,7 @@ const TEXTS = {
   choose_folder: 'From the library\'s folders', up: 'One up', series: 'Series', look_series: 'List the series here',
   verdict: 'Verdict', proposed: 'proposed', recipe: 'Recipe', token: 'Case token', create: 'Add to the library',
   picture: 'Middle slices', token_help: 'a-z, 0-9, _ and -; never a name', no_series: 'No series was found.',
-  files: 'other files', show: 'Show', landmark: 'landmark', burr_hole: 'burr hole', place_it: 'Place it',
+  files: 'files', show: 'Show', landmark: 'landmark', burr_hole: 'burr hole', place_it: 'Place it',
   overlaps: 'It can be placed, but it overlaps', c_finding: 'Looked at:', paint_it: 'Correct it', go_there: 'Go there',
   lost_landmarks: 'Not found, so nothing hangs on them:', no_hole_built: 'The scene cuts burr holes, and this case has none.',
   no_secret: 'This tab does not know the secret of the desk: open the address that `trephine desk` has printed.',
