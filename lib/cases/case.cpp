@@ -121,9 +121,10 @@ CaseManifest read_case(const fs::path& case_folder) {
     if (error) throw Error(ExitCode::no_input, path.string(), "", "missing or not readable: " + error.message());
     if (size != f.bytes)
       throw Error(ExitCode::bad_input, path.string(), "size",
-                  std::to_string(size) + " bytes, case.json says " + std::to_string(f.bytes));
+                  std::to_string(size) + " bytes, case.json says " + std::to_string(f.bytes) + detail::damaged_remedy);
     if (sha256_of_file(path) != f.sha256)
-      throw Error(ExitCode::bad_input, path.string(), "checksum", "is not that of case.json: the file is damaged");
+      throw Error(ExitCode::bad_input, path.string(), "checksum",
+                  std::string("is not that of case.json: the file is damaged") + detail::damaged_remedy);
   }
   return m;
 }
@@ -132,7 +133,8 @@ std::string read_case_file(const fs::path& case_folder, const CaseFile& file) {
   const fs::path path = case_folder / file.name;
   std::string bytes = text_of(read_file(path, file.bytes));
   if (bytes.size() != file.bytes || sha256_of_bytes(bytes) != file.sha256)
-    throw Error(ExitCode::bad_input, path.string(), "checksum", "is not that of case.json: the file is damaged");
+    throw Error(ExitCode::bad_input, path.string(), "checksum",
+                std::string("is not that of case.json: the file is damaged") + detail::damaged_remedy);
   return bytes;
 }
 

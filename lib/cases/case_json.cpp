@@ -32,8 +32,10 @@ void read_version(std::string_view json, CaseManifest& m) {
   if (!major || !minor || *major < 1 || *minor < 0 || *major > 9999 || *minor > 9999)
     refuse("format", "the version is damaged");
   if (*major != case_version_major)
-    refuse("format", "version " + std::string(version) + ", this program reads version " + case_version() +
-                         (*major < case_version_major ? ": make the case again with `trephine run`" : ""));
+    refuse("format", "version " + std::string(version) + ", this program reads versions " +
+                         std::to_string(case_version_major) + ".*: " +
+                         (*major < case_version_major ? "make the case again with `trephine run`"
+                                                      : "take a newer Trephine, or make the case again with this one"));
   m.version_major = static_cast<int>(*major);
   m.version_minor = static_cast<int>(*minor);
 }
@@ -57,10 +59,11 @@ CaseManifest parse_case_json(std::string_view json) {
   CaseManifest m;
   read_version(json, m);
   const std::size_t tail = tail_begin.size() + hex_digits + tail_end.size();
-  if (json.size() < head.size() + tail) refuse("checksum", "cut short");
+  if (json.size() < head.size() + tail)
+    refuse("checksum", std::string("the file is cut short") + detail::damaged_remedy);
   const std::string_view covered = json.substr(0, json.size() - tail);
   if (std::string(json.substr(covered.size())) != tail_begin + sha256_of_bytes(covered) + tail_end)
-    refuse("checksum", "is not that of the file: it is damaged or was edited");
+    refuse("checksum", std::string("is not that of the file: it is damaged or was edited") + detail::damaged_remedy);
   json::JsonRules rules;
   rules.by_program = true;
   rules.max_bytes = detail::max_manifest_bytes;

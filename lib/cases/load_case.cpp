@@ -168,9 +168,10 @@ class Loader {
     within(name, [&] {
       bytes = read_(name, file.bytes);
       if (bytes.size() != file.bytes)
-        refuse("size", std::to_string(bytes.size()) + " bytes, case.json says " + std::to_string(file.bytes));
+        refuse("size", std::to_string(bytes.size()) + " bytes, case.json says " + std::to_string(file.bytes) +
+                           detail::damaged_remedy);
       if (sha256_of_bytes({bytes.data(), bytes.size()}) != file.sha256)
-        refuse("checksum", "is not that of case.json: the file is damaged");
+        refuse("checksum", std::string("is not that of case.json: the file is damaged") + detail::damaged_remedy);
     });
     return bytes;
   }
