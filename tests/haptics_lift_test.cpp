@@ -32,6 +32,11 @@ TEST(HapticsLift, ALiftedToolMeetsNothingAndFeelsNothing) {
   EXPECT_EQ(away.proxy_mm, (Vec3{1, 0, -6}));
   EXPECT_EQ(away.touched, 0);
   EXPECT_EQ(away.faults, 0u);
+  // So it is as it is turned about its axis.
+  haptics::HapticInput turned = lifted({1, 0, -6});
+  turned.axis = {0, 0, 1};
+  turned.across = {0, 1, 0};
+  EXPECT_EQ(proxy.update(turned).across, (Vec3{0, 1, 0}));
 
   // Put down below the plate, it meets the plate from below.
   proxy.update(at({1, 0, -6}));

@@ -22,10 +22,12 @@ py::tuple replay(const std::string& folder, const std::string& file) {
   std::string digest;
   auto frames = run_long([&](const Progress&) {
     const haptics::Recording r = haptics::read_recording(file);
+    haptics::require_seal(r, file);
     session::FeltCase felt = session::felt_again(folder, file, r.header);
     contact::ContactVolume contact(felt.loaded.haptic, r.header.contact);
     session::Rerun rerun(felt, contact, file, r.header);
-    std::vector<haptics::ServoFrame> again = rerun.run(r.frames);
+    std::vector<haptics::ServoFrame> second;  // of the other hand, which the first one's may depend on
+    std::vector<haptics::ServoFrame> again = rerun.run(r.frames, r.second.data(), second);
     digest = haptics::volume_digest(felt.loaded.haptic);
     return again;
   });

@@ -39,6 +39,7 @@ def read_recording(file: Path) -> Recording:
 
 
 def replay(case: Path, file: Path) -> Tuple[np.ndarray, str]:
-    """Runs a recording again in its case: the frames, which are those of the recording bit for bit but for late_us, and the hash
-    of the voxels at the end (header["outcome"]["volume_sha256"], where something was cut)."""
+    """Runs a recording again in its case: the first hand's frames, which are those of the recording bit for bit but for late_us, and
+    the hash of the voxels at the end (header["outcome"]["volume_sha256"], where something was cut). A recording with a broken seal
+    is refused (80)."""
     return _native.replay(os.fspath(case), os.fspath(file))

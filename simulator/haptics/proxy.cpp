@@ -65,6 +65,7 @@ void Proxy::rest_at(const HapticInput& in) {
   reset();
   ground_.state.proxy_mm = in.tip_mm;
   if (in.axis != Vec3{}) ground_.state.axis = normalized(in.axis);
+  ground_.state.across = in.across;
 }
 
 const HapticState& Proxy::update(const HapticInput& given) {
@@ -126,6 +127,7 @@ void Proxy::begin(const HapticInput& in) {
   HapticState& state = ground_.state;
   state = {};
   state.proxy_mm = device_mm_ = in.tip_mm;
+  state.across = in.across;
   state.inside = ground_.contact.shape_at(in.tip_mm);
   velocity_ = {};
   since_s_ = 0;

@@ -168,9 +168,11 @@ Recording read_recording(const std::filesystem::path& file) {
     r.seal = seal_of(all.substr(0, fixed_bytes + length), all.substr(fixed_bytes + length), header.seal_sha256);
     const std::size_t rest = bytes.size() - fixed_bytes - length;
     const std::size_t each = frame_bytes(r.header), hands = hands_of(r.header), count = rest / (hands * each);
-    if (rest % (hands * each) != 0) refuse("frames", "end within one");
+    const std::string whole = ": the file was cut short or added to; take it as it was recorded";
+    if (rest % (hands * each) != 0) refuse("frames", "the last one is incomplete" + whole);
     if (header.frames >= 0 && std::uint64_t(header.frames) != count)
-      refuse("frames", std::to_string(count) + ", were " + std::to_string(header.frames));
+      refuse("frames", "the file holds " + std::to_string(count) + ", and " + std::to_string(header.frames) +
+                           " were recorded" + whole);
     const char* const first = bytes.data() + fixed_bytes + length;
     r.frames.resize(count);
     r.second.resize((hands - 1) * count);
@@ -202,7 +204,7 @@ const char* name_of(Seal seal) {
 void require_seal(const Recording& recording, const std::filesystem::path& file) {
   if (recording.seal != Seal::broken) return;
   throw refusal("seal_sha256", "is not of these bytes: the recording was changed after it was written",
-                {"take the file as it was recorded, or do the `lesson` anew"})
+                {"take the file as it was recorded, or record again"})
       .in_file(file.string());
 }
 
