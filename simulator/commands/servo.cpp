@@ -149,7 +149,7 @@ void follow(session::Session& session) {
       const bool lasts = now[hand] & ~haptics::haptic_fault::passing;
       std::cout << fmt::format("{}fault after {:.2f} s: {}; the force {}\n",
                                hand == 0 ? "" : "second hand: ", session.time_s(), haptics::fault_names(now[hand]),
-                               lasts ? "stays zero" : "comes back")
+                               lasts ? "stays zero" : "is zero until the device is back")
                 << std::flush;
     }
     session.write_frames();
@@ -194,8 +194,7 @@ void print_result(const session::SessionResult& r, bool paced) {
   std::cout << fmt::format("{} ticks, {} overruns, in contact {:.1f} %, faults {}\n", s.ticks, s.overruns, touching,
                            s.faults == 0 ? "none" : haptics::fault_names(s.faults));
   if (r.jumps + r.gaps > 0)
-    std::cout << fmt::format("{} jumps of the device and {} gaps, after each of which the force came back\n", r.jumps,
-                             r.gaps);
+    std::cout << fmt::format("{} jumps of the device and {} gaps, in which the force was zero\n", r.jumps, r.gaps);
   std::string events, counts;
   for (int n = 0; n < haptics::haptic_event::count; ++n)
     events += fmt::format("{} {} {}", events.empty() ? "" : ",", haptics::haptic_event::names[n], s.events[n]);

@@ -89,7 +89,7 @@ lost() {
   local pid=$!
   until grep -q '^servo at' "$work/said"; do sleep 0.02; [[ -e /proc/$pid ]] || fail "$(cat "$work/stderr")"; done
   tracker "$1"
-  until grep -q '^fault after .*gap.*the force comes back' "$work/said"; do sleep 0.05; [[ -e /proc/$pid ]] || fail "$(cat "$work/said")"; done
+  until grep -q '^fault after .*gap.*the force is zero until the device is back' "$work/said"; do sleep 0.05; [[ -e /proc/$pid ]] || fail "$(cat "$work/said")"; done
   tracker "$2"
   [[ $2 == good ]] || tracker good
   sleep 1  # it goes on meanwhile; nothing is expected of how long that is
