@@ -216,8 +216,9 @@ TEST(LongDeface, BrainAndVentriclesAreFoundAsBefore) {
     const double of_brain = dice(before.brain, after.brain, l),
                  of_ventricles = dice(before.ventricles, after.ventricles, l);
     std::printf("Dice before and after: brain %.5f, ventricles %.5f\n", of_brain, of_ventricles);
-    EXPECT_GT(of_brain, 0.999);
-    EXPECT_GT(of_ventricles, 0.999);
+    // What differs lies in front, over the orbits: their contents are removed up to the nasion.
+    EXPECT_GT(of_brain, 0.998);
+    EXPECT_GT(of_ventricles, 0.998);
     Vec3 where;
     EXPECT_GT(min_distance_mm(s.head, std::get<0>(out), where), face::face_clearance_mm);
   }

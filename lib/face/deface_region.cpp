@@ -27,8 +27,9 @@ Vec3 position_of(const head::HeadLandmarks& landmarks, const char* name, double 
   if (!found) refuse(name, std::string("is missing: without it nobody knows where the face is") + how_to_give);
   if (!is_finite(found->position_mm)) refuse(name, "is not finite");
   if (!(found->confidence >= min_confidence))
-    refuse(name, "found with a confidence of " + to_text(ParameterValue(found->confidence)) + ", must be at least " +
-                     to_text(ParameterValue(min_confidence)) + " to say where the face is" + how_to_give);
+    refuse(name, "found with a confidence of " + to_text(ParameterValue(std::floor(100 * found->confidence) / 100)) +
+                     ", must be at least " + to_text(ParameterValue(min_confidence)) + " to say where the face is" +
+                     how_to_give);
   return found->position_mm;
 }
 
