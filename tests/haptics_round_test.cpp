@@ -91,11 +91,13 @@ TEST(HapticsRound, WhatIsRememberedIsWhatIsThere) {
       if (norm(at) < 8.5 || norm(at) > 11) at = normalized(at) * 9.5;
       axis = normalized(axis + Vec3{uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1)} * 0.05);
       moved.begin_frame();
+      const int inside = contact.shape_at(at);
+      const haptics::RoundBody::Touch a = moved.deepest(at, axis, inside, faces);
+      // A new body zeroes megabytes, so every fourth place gets one: the leaps are among these.
+      if (n % 4 != 3) continue;
       haptics::RoundBody fresh(contact, parts);
       fresh.begin_frame();
-      const int inside = contact.shape_at(at);
-      const haptics::RoundBody::Touch a = moved.deepest(at, axis, inside, faces),
-                                      b = fresh.deepest(at, axis, inside, faces);
+      const haptics::RoundBody::Touch b = fresh.deepest(at, axis, inside, faces);
       ASSERT_EQ(a.hit, b.hit) << tool << ", step " << n;
       if (!a.hit) continue;
       ++hits;
