@@ -46,7 +46,7 @@ struct MaterialParams {
   CaseFace front, back;
   double drag_n_s_per_mm = 0, shaft_friction_n_per_mm = 0, removal_energy_j_per_mm3 = 0;
   double rest_ratio = 1, relaxation_s = 0, tip_force_n = 0;
-  Vec3 grain_direction;
+  Vec3 grain_direction{};
   /// The values that no hand feels: what is seen, and what a drill makes of it, which a recording's outcome tells.
   static constexpr std::string_view not_felt[] = {"colour_rgb", "removal_energy_j_per_mm3"};
   template <class V>

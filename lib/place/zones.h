@@ -64,7 +64,7 @@ struct ZoneShapes {
       nullptr;  ///< may be null: then air is not taken off the dura, and no zone held against it
   /// Gives what place_in_cavity gives of this cavity and, unless it is to be without them, the ventricles, for callers
   /// who know it already. Empty: the template is registered here.
-  std::function<HeadPlace(bool with_ventricles, const Progress& progress)> place;
+  std::function<HeadPlace(bool with_ventricles, const Progress& progress)> place = {};
 };
 
 /// What is printed of a zone; what was not looked for is missing.
