@@ -288,9 +288,9 @@ const cli::OwnCommand servo_command([] {
       "A thread of its own reads the device, moves the tool's proxy through the case's haptic volume and sends the "
       "force, 1000 times a second or more. The device is " +
       devices_text() +
-      ". docs/explanation/contact-and-force.md describes contact, forces, and the recording, which `trephine-sim "
-      "replay` reads. Ctrl-C ends "
-      "the session: what was recorded and counted until then is written, and the exit code is 130. A fault (a lost "
+      ". docs/explanation/contact-and-force.md describes contact and forces, docs/reference/recordings.md the "
+      "recording, which `trephine-sim replay` reads. Ctrl-C ends the session: what was recorded and counted until then "
+      "is written, and the exit code is 130. A fault (a lost "
       "device, a pose that is no number) is reported when it happens, and the exit code is 74.\n\n"
       "It says at the start what the system grants: SCHED_FIFO and locked memory need CAP_SYS_NICE and CAP_IPC_LOCK, "
       "or limits (ulimit -r, -l) that allow them.";
