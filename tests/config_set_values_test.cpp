@@ -85,6 +85,18 @@ TEST(SetValues, WhatHasBeenReadAlreadyIsNotSet) {
             std::string::npos);
 }
 
+TEST(SetValues, AShorterOrLongerPathIsAnsweredWithTheWholeOne) {
+  for (const char* path : {"diameter_mm=12", "burr_holes.burr_hole_1.diameter_mm=12"})
+    EXPECT_NE(faults_of(configs / "sample_drilled.yaml", {path}).find("did you mean burr_hole_1.diameter_mm?"),
+              std::string::npos)
+        << faults_of(configs / "sample_drilled.yaml", {path});
+  EXPECT_NE(
+      faults_of(configs / "sample_drilled.yaml", {"along_mm=1"}).find("burr_hole_1.along_mm or landmarks.along_mm"),
+      std::string::npos);
+  EXPECT_NE(faults_of(configs / "sample_drilled.yaml", {"what=1"}).find("scene.key or burr_hole_1.parameter"),
+            std::string::npos);
+}
+
 // The origin of each value of a burr hole is the file that gives it.
 TEST(SetValues, ABurrHolesValuesComeFromTheCase) {
   const config::CaseConfig config = config::read_case_config(configs / "sample_drilled.yaml");

@@ -82,7 +82,7 @@ TEST(StageBurrHole, KochersPointLies5To25MillimetresBeforeTheSuture) {
   EXPECT_NE(behind.find("behind the coronal suture"), std::string::npos) << behind;
   // What the message says to do works.
   boolean::BurrHoleParams followed;
-  const std::string key = "set `along_mm` to ";
+  const std::string key = "; --along-mm ";
   ASSERT_NE(far.find(key), std::string::npos) << far;
   followed.along_mm = std::stod(far.substr(far.find(key) + key.size()));
   EXPECT_EQ(said(marks(150), followed), "made");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/values.h"
 
+#include "base/joined.h"
 #include "base/text.h"
 #include "config/declared.h"
 
@@ -84,6 +85,23 @@ class SetValuesCheck {
   ConfigFaults& faults_;
 };
 
+bool ends_as(const std::string& path, const std::string& end) {
+  return path.size() > end.size() && path.compare(path.size() - end.size(), end.size(), end) == 0 &&
+         path[path.size() - end.size() - 1] == '.';
+}
+
+// The paths that were meant: those that end with the one given, or that it ends with; else one that is spelt nearly so.
+std::string meant_instead(const std::string& path, const std::vector<std::string>& known) {
+  constexpr std::size_t most = 4;
+  std::vector<std::string> near;
+  for (const std::string& one : known)
+    if (ends_as(one, path) || ends_as(path, one)) near.push_back(one);
+  if (!near.empty() && near.size() <= most) return ", did you mean " + listed(near, "or") + "?";
+  const std::string spelt = did_you_mean(path, known);
+  return !spelt.empty() ? spelt
+                        : ", a path is anatomy.stage.parameter, import.parameter, scene.key or burr_hole_1.parameter";
+}
+
 }  // namespace
 
 const char* to_text(ValueSource source) {
@@ -139,9 +157,7 @@ std::string ConfigValues::set(const std::string& path, const std::string& text, 
     if (!explain) return "no such parameter";
     std::vector<std::string> known;
     for (const auto& target : targets_) known.push_back(target.first);
-    const std::string near = did_you_mean(path, known);
-    return "no such parameter" +
-           (near.empty() ? ", a path is anatomy.stage.parameter, import.parameter or scene.key" : near);
+    return "no such parameter" + meant_instead(path, known);
   }
   for (const std::string& one : paths) {
     if (const auto fixed = fixed_.find(one); fixed != fixed_.end()) return fixed->second;

@@ -87,15 +87,15 @@ void check_suture(const boolean::BurrHoleParams& params, const boolean::BurrHole
   if (before_mm >= params.min_before_suture_mm && before_mm <= params.max_before_suture_mm) return;
   const double right_mm = 0.5 * (params.min_before_suture_mm + params.max_before_suture_mm);
   throw refusal(
-      "burr_holes." + hole.cutter.name + ".along_mm",
+      "along_mm",
       fmt::format("Kocher's point lies {:.0f} mm {} the coronal suture, {:.0f} to {:.0f} mm before it are allowed",
                   std::abs(before_mm), before_mm < 0 ? "behind" : "before", params.min_before_suture_mm,
                   params.max_before_suture_mm),
-      {fmt::format("set `along_mm` to {:.0f}; or, where nasion or bregma are wrong in the pictures, give them in the "
-                   "case's configuration, in mm, LPS: `landmarks: {{nasion: [x, y, z], bregma: [x, y, z]}}`, or a "
-                   "`landmarks_file` (.mrk.json or "
-                   ".fcsv of 3D Slicer)",
-                   std::clamp(params.along_mm + before_mm - right_mm, 10.0, 250.0))});
+      {Message(Setting{"along_mm",
+                       fmt::format("{:.0f}", std::clamp(params.along_mm + before_mm - right_mm, 10.0, 250.0))}) +
+       " puts it there; or, where nasion or bregma are wrong in the pictures, give them in the case's configuration, "
+       "in mm, LPS: `landmarks: {nasion: [x, y, z], bregma: [x, y, z]}`, or a `landmarks_file` (.mrk.json or .fcsv of "
+       "3D Slicer)"});
 }
 
 /// Refuses a trajectory that comes too near to a zone.
@@ -110,7 +110,7 @@ void check_zones(const boolean::BurrHoleParams& params, const boolean::BurrHole&
     placed.result.clear_of_mm.emplace_back(name, found.least_mm);
     if (found.least_mm >= said.clear_mm) continue;
     throw refusal(
-        "burr_holes." + hole.cutter.name + ".avoid." + name,
+        "avoid." + name,
         fmt::format("the trajectory {} {} at {:.0f}, {:.0f}, {:.0f} mm (LPS), {:g} mm are asked for",
                     found.least_mm < 0 ? fmt::format("enters the zone by {:.1f} mm:", -found.least_mm)
                                        : fmt::format("comes as near as {:.1f} mm to", found.least_mm),

@@ -28,7 +28,7 @@ def run(config, series, more):
 
 
 def remedies(line):
-    """[(words for the command line, or a configuration)] of all that the line says to do."""
+    """[words for the command line, or a configuration] of all that the line says to do."""
     found = []
     for value in re.findall(r"--set ([a-z][\w.]*=[^\s,;()]+)", line):
         found.append(["--set", value.replace("=WHY", "=a reader said so")])
@@ -39,10 +39,7 @@ def remedies(line):
     for value, key, of in re.findall(r"set ([\d.]+) for `(\w+)`(?: of the stage `(\w+)`)?", line):
         found.append(["--set", f"{of or where}.{key}={value.rstrip('.')}"])
     for key, value in re.findall(r"set `(\w+)` to ([\d.]+)", line):
-        if f"burr_holes.{where}.{key}: " in line:  # a line of the configuration
-            found.append(lambda text, k=key, v=value.rstrip("."): re.sub(rf"\b{k}: [-\d.]+", f"{k}: {v}", text))
-        else:
-            found.append(["--set", f"{where}.{key}={value.rstrip('.')}"])
+        found.append(["--set", f"{where}.{key}={value.rstrip('.')}"])
     found += [SOURCE / "configs" / name for name in re.findall(r"is made by (\w+\.yaml)", line)]
     # The same words twice are one remedy.
     return [f for i, f in enumerate(found) if f not in found[:i]]
@@ -64,12 +61,7 @@ def follow(name, config, series, *, code, more=(), allowed=True, together=False)
         said = [[word for words in said if isinstance(words, list) for word in words]]
     ended = []
     for words in said:
-        if callable(words):
-            edited = WORK / "edited.yaml"
-            edited.write_text(words(config.read_text()))
-            again, other = run(edited, series, list(more))
-            words = "the configuration edited"
-        elif isinstance(words, pathlib.Path):
+        if isinstance(words, pathlib.Path):
             again, other = run(words, series, list(more))
         else:
             again, other = run(config, series, list(more) + words)
