@@ -131,6 +131,40 @@ TEST(DicomChoice, TheRule) {
     }
 }
 
+// What a wrong token is answered with is what the list proposes, and none that the list refuses.
+TEST(DicomChoice, AWrongTokenIsAnsweredWithTheProposedOne) {
+  Folder folder;
+  Scan gap = named(1);
+  gap.along_mm = {0, 2, 4, 6, 8, 10, 12, 16, 18, 20, 22, 24};
+  gap.slices = 12;
+  Scan coronal = named(2);
+  coronal.v = {0, 0, -1};
+  coronal.slices = 11;
+  for (const Scan& s : {gap, coronal, named(3)}) folder.add(s);
+  const std::string token = folder.proposed().token, number = token.substr(0, token.find('-'));
+  EXPECT_EQ(number, "s3");
+  dicom::ImportParams wrong;
+  wrong.series = "s9";
+  const Refused o = outcome(folder.path(), wrong);
+  EXPECT_EQ(o.code, 64);
+  EXPECT_NE(o.line.find("proposed is " + token + ", --series s3 takes it"), std::string::npos) << o.line;
+  EXPECT_EQ(o.line.find("s1"), std::string::npos) << "the list refuses it: " << o.line;
+}
+
+// A folder of two patients says so, where it is listed and where a choice is asked for.
+TEST(DicomChoice, TwoPatientsInAFolderAreSaid) {
+  Folder folder;
+  Scan own = named(1), other = named(2);
+  own.edit = [](int, DataSet& d) { d.text(tag(0x10, 0x10), "PN", "ONE^A"); };
+  other.edit = [](int, DataSet& d) { d.text(tag(0x10, 0x10), "PN", "TWO^B"); };
+  folder.add(own);
+  EXPECT_FALSE(dicom::list_series(folder.path()).folder.result.series_of_other_patients_count);
+  folder.add(other);
+  EXPECT_EQ(dicom::list_series(folder.path()).folder.result.series_of_other_patients_count, 1);
+  EXPECT_NE(outcome(folder.path()).line.find("takes it; of another patient: 1 of the others"), std::string::npos)
+      << outcome(folder.path()).line;
+}
+
 TEST(DicomChoice, ManySeriesAreNoLine) {
   Folder folder;
   for (int n = 1; n <= 47; ++n) folder.add(named(n));

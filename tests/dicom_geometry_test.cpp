@@ -222,13 +222,23 @@ TEST(DicomGeometry, OneSmallerStep) {
 TEST(DicomGeometry, StepAboveTheLargestAllowed) {
   Scan s = head();
   s.along_mm = positions({{8, 4.0}, {6, 9.0}});
-  EXPECT_NE(error_of(s).find("9.000 mm"), std::string::npos) << error_of(s);
+  EXPECT_NE(
+      error_of(s).find("9.000 mm between slices, max_gap_mm is 8; take another series, or --max-gap-mm 9 reads it"),
+      std::string::npos)
+      << error_of(s);
   dicom::ImportParams p;
   p.max_gap_mm = 10;
   EXPECT_NO_THROW(import(s, p));
   p.max_gap_mm = 8;
   p.gaps = dicom::GapPolicy::interpolate;
-  EXPECT_NE(error_of(s, p).find("max_gap_mm"), std::string::npos);
+  EXPECT_NE(error_of(s, p).find("--max-gap-mm 9 reads it"), std::string::npos) << error_of(s, p);
+  s.along_mm = positions({{10, 2.0}, {1, 29.5}, {10, 2.0}});
+  const std::string filled = "or --max-gap-mm 30 with --gaps interpolate fills it";
+  EXPECT_NE(error_of(s).find(filled), std::string::npos) << error_of(s);
+  p.max_gap_mm = 30;
+  EXPECT_NO_THROW(import(s, p));
+  s.along_mm = positions({{10, 2.0}, {1, 60.0}, {10, 2.0}});
+  EXPECT_EQ(error_of(s).find("--max-gap-mm"), std::string::npos) << "no setting allows as much: " << error_of(s);
 }
 
 TEST(DicomGeometry, MissingSlice) {

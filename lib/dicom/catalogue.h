@@ -83,6 +83,9 @@ std::string origin_of(const SeriesSummary& summary);
 /// these, original, of a soft kernel, thin. What is equal in all of it is taken in the catalogue's order.
 const Series* proposed(const Catalogue& catalogue);
 
+/// How many series say another patient than that one.
+int of_other_patients(const Catalogue& catalogue, const Series& chosen);
+
 /// The requested series; where none is named, the only usable one, or the proposed one if the rule is best. Several
 /// that are usable by their headers are judged first, so that what the list refuses is no choice. Throws Error 64
 /// listing the series, else why none is usable.

@@ -82,24 +82,20 @@ std::string listing(const Catalogue& c) {
   return usable > max_listed ? fmt::format("{}, which `trephine import --list FOLDER` shows as a table", usable) : out;
 }
 
-const Setting first_series{"series", "s1"};
+Setting taking(const Series& s) { return {"series", s.summary.token.substr(0, s.summary.token.find('-'))}; }
 
 [[noreturn]] void refuse(const Series& s) {
   if (s.refused) std::rethrow_exception(s.refused);
   throw Error(ExitCode::bad_input, s.refusal_file, s.refusal_field, s.refusal);
 }
 
-const Series& named(const Catalogue& c, const std::string& token) {
+const Series* named(const Catalogue& c, const std::string& token) {
   for (const Series& s : c.series) {
-    const std::string& t = s.summary.token;
-    if (t != token && t.substr(0, t.find('-')) != token) continue;
+    if (s.summary.token != token && taking(s).value != token) continue;
     if (!s.refusal.empty()) refuse(s);
-    return s;
+    return &s;
   }
-  const std::string known = listing(c);
-  throw Error(ExitCode::usage, "", "series",
-              known.empty() ? Message("no such series; none is usable")
-                            : "no such series; there are: " + known + "; " + first_series + " chooses the first");
+  return nullptr;
 }
 
 }  // namespace
@@ -152,20 +148,27 @@ const Series* proposed(const Catalogue& c) {
 }
 
 const Series& choose(Catalogue& c, const ImportParams& params, const Progress& progress) {
-  if (!params.series.empty()) return named(c, params.series);
+  if (const Series* asked = params.series.empty() ? nullptr : named(c, params.series)) return *asked;
   const auto usable = [&] {
     return std::count_if(c.series.begin(), c.series.end(),
                          [](const Series& s) { return s.refusal.empty() && s.part_of.empty(); });
   };
-  if (usable() > 1)
+  if (usable() > 1 || !params.series.empty())
     for (Series& s : c.series) judge(s, params, progress);
   const auto left = usable();
-  if (const Series* best = proposed(c)) {
-    if (left == 1 || params.series_rule == SeriesRule::best) return *best;
+  const Series* best = proposed(c);
+  const std::string known = best ? listing(c) + "; proposed is " + best->summary.token + ", " : "";
+  if (!params.series.empty())
     throw Error(ExitCode::usage, "", "series",
-                fmt::format("{} usable series, choose one by its token: {}; proposed is {}, ", left, listing(c),
-                            best->summary.token) +
-                    Setting{"series_rule", "best"} + " takes it; " + first_series + " chooses the first");
+                best ? "no such series; there are: " + known + taking(*best) + " takes it"
+                     : Message("no such series; none is usable"));
+  if (best) {
+    if (left == 1 || params.series_rule == SeriesRule::best) return *best;
+    const int others = of_other_patients(c, *best);
+    throw Error(ExitCode::usage, "", "series",
+                fmt::format("{} usable series, choose one by its token: {}", left, known) + taking(*best) + " or " +
+                    Setting{"series_rule", "best"} + " takes it" +
+                    (others > 0 ? fmt::format("; of another patient: {} of the others", others) : ""));
   }
   // Nothing is usable. The reason given is that of the largest CT series, or else of whatever was nearest to being one.
   if (!c.series.empty()) refuse(c.series.front());

@@ -140,8 +140,16 @@ double line_slope(const std::vector<double>& x, const std::vector<double>& y) {
 void check_steps(const std::vector<double>& steps, GapPolicy gaps, double max_gap_mm, StackGeometry& g) {
   g.smallest_step_mm = *std::min_element(steps.begin(), steps.end());
   g.largest_step_mm = *std::max_element(steps.begin(), steps.end());
-  if (g.largest_step_mm > max_gap_mm + uniform_tolerance_mm)
-    refuse(fmt::format("a gap of {} mm between slices, max_gap_mm is {}", mm(g.largest_step_mm), max_gap_mm));
+  if (g.largest_step_mm > max_gap_mm + uniform_tolerance_mm) {
+    const Message what = fmt::format("a gap of {} mm between slices, max_gap_mm is {}; take another series",
+                                     mm(g.largest_step_mm), max_gap_mm);
+    if (g.largest_step_mm > largest_max_gap_mm) refuse(what);
+    const Setting wider{"max_gap_mm", fmt::format("{:g}", std::ceil(g.largest_step_mm))};
+    const auto widest = std::size_t(std::max_element(steps.begin(), steps.end()) - steps.begin());
+    if (gaps == GapPolicy::interpolate || !is_missing_slice(steps, widest))
+      refuse(what + ", or " + wider + " reads it");
+    refuse(what + ", or " + wider + " with " + Setting{"gaps", "interpolate"} + " fills it with what was not scanned");
+  }
   for (std::size_t k = 0; k < steps.size(); ++k) {
     if (!is_missing_slice(steps, k)) continue;
     ++g.missing_steps;

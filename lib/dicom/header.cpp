@@ -10,7 +10,6 @@
 
 #include "dicom/attributes.h"
 #include "dicom/header_frame.h"
-#include "dicom/header_pixels.h"
 #include "dicom/header_tags.h"
 
 namespace trephine::dicom {

@@ -74,4 +74,10 @@ struct FileHeader {
 /// is wrong with its values is listed in faults.
 FileHeader read_header(const Origin& origin);
 
+/// Whether the pixel data that the header tells of can be read as it tells: their shape, that the file holds them, and
+/// in a compressed file which fragments belong to which frame. `representation` is PixelRepresentation, -1 where the
+/// file has none. Fills is_signed, fragments and frame_fragments; the first thing that is wrong is added to the
+/// header's faults. Reads the fragments' lengths and the offset table, no pixels. (header_pixels.cpp)
+void check_pixels(FileHeader& header, ByteSource& source, int representation);
+
 }  // namespace trephine::dicom

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "dicom/header_pixels.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "dicom/header.h"
 #include "dicom/header_tags.h"
 
 namespace trephine::dicom {

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,6 +19,9 @@ struct PatientMatch {
 };
 /// Of a volume file nothing is said. Throws as import_series does up to the decoding.
 PatientMatch compare_patients(const SeriesChoice& a, const SeriesChoice& b, const Progress& progress = {});
+/// Whether positions in two series mean the same places, by FrameOfReferenceUID: two reconstructions of one scan have
+/// one. Nothing where one of them does not say (a volume file). Throws as compare_patients does. (import.cpp)
+std::optional<bool> of_one_frame(const SeriesChoice& a, const SeriesChoice& b, const Progress& progress = {});
 
 struct FrameRef;
 

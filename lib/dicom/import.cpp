@@ -17,7 +17,6 @@
 #include "base/memory_budget.h"
 #include "base/parallel.h"
 #include "dicom/catalogue.h"
-#include "dicom/frame_of_reference.h"
 #include "dicom/header_tags.h"
 #include "dicom/hu.h"
 #include "dicom/input_files.h"

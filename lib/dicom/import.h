@@ -19,6 +19,7 @@ enum class GapPolicy { refuse, interpolate };
 enum class ModalityPolicy { ct, any };
 enum class UnitPolicy { hu, any };
 enum class VolumeValues { unsaid, hu, any };
+constexpr double largest_max_gap_mm = 50;
 
 struct ImportParams {
   std::string
@@ -57,7 +58,8 @@ struct ImportParams {
         "of a CT, which is checked as far as it can be, or any (MR), which are taken as they are.");
     v.choice(&P::gaps, "gaps", {{"refuse", GapPolicy::refuse}, {"interpolate", GapPolicy::interpolate}},
              "What to do where a slice is missing.");
-    v.number(&P::max_gap_mm, "max_gap_mm", Range{0.1, 50}, "Largest step between slices that is accepted.");
+    v.number(&P::max_gap_mm, "max_gap_mm", Range{0.1, largest_max_gap_mm},
+             "Largest step between slices that is accepted.");
     v.number(&P::offset_hu, "offset_hu", Range{-10000, 10000},
              "Added to every value: -1024 for a CT that was stored without this offset (0 to about 3000).");
     v.text(&P::axes, "axes",
@@ -187,6 +189,7 @@ struct ImportFigures {
 struct FolderFigures {
   std::int64_t files_count = 0;
   std::optional<std::int64_t> other_series_count, other_series_slices_count;  ///< beside the series that was chosen
+  std::optional<std::int64_t> series_of_other_patients_count;                 ///< than the proposed one's, in a list
   std::int64_t localizers_count = 0, images_without_geometry_count = 0, skipped_not_dicom_count = 0,
                skipped_broken_count = 0, skipped_hidden_count = 0;
   std::optional<std::int64_t> skipped_links_count;
@@ -197,6 +200,7 @@ struct FolderFigures {
     v.integer(&P::files_count, "files_count", Range{}, "Files.");
     v.integer(&P::other_series_count, "other_series_count", "Other series.");
     v.integer(&P::other_series_slices_count, "other_series_slices_count", "Their slices.");
+    v.integer(&P::series_of_other_patients_count, "series_of_other_patients_count", "Than that of the proposed one.");
     v.integer(&P::localizers_count, "localizers_count", Range{}, "Localizers.");
     v.integer(&P::images_without_geometry_count, "images_without_geometry_count", Range{}, "Images without geometry.");
     v.integer(&P::skipped_not_dicom_count, "skipped_not_dicom_count", Range{}, "Files that are no DICOM.");

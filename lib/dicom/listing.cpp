@@ -62,6 +62,8 @@ SeriesList list_series(const std::filesystem::path& folder_or_file, const Import
       list.series.back().proposed = &s == best;
     }
     list.folder = describe_rest(catalogue, nullptr);
+    if (const int others = best ? of_other_patients(catalogue, *best) : 0)
+      list.folder.result.series_of_other_patients_count = others;
     return list;
   });
 }

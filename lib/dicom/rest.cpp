@@ -76,6 +76,16 @@ void Rest::add_patients(const Catalogue& c, const Series& chosen) {
     if (own.said[static_cast<std::size_t>(which)] != 0)
       there += (there.empty() ? "" : ", ") + std::string(identity_keyword(which));
   out.result.patient_said_by = there.empty() ? "nothing" : there;
+  const int others = of_other_patients(c, chosen);
+  if (others > 0)
+    warn("other_patients", "{count} other series of the folder {are} of another patient",
+         {{"count", others}, {"are", others == 1 ? "is" : "are"}});
+}
+
+}  // namespace
+
+int of_other_patients(const Catalogue& c, const Series& chosen) {
+  const Identity own = identity_of(chosen.slices).identity;
   int others = 0;
   for (const Series& s : c.series) {
     if (&s == &chosen || s.slices.empty()) continue;
@@ -84,12 +94,8 @@ void Rest::add_patients(const Catalogue& c, const Series& chosen) {
     for (int which = 0; which < identity_count; ++which) apart = apart || own.contradicts(other, which);
     others += apart;
   }
-  if (others > 0)
-    warn("other_patients", "{count} other series of the folder {are} of another patient",
-         {{"count", others}, {"are", others == 1 ? "is" : "are"}});
+  return others;
 }
-
-}  // namespace
 
 FolderRest describe_rest(const Catalogue& c, const Series* chosen) {
   Rest r;

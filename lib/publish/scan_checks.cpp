@@ -4,7 +4,6 @@
 #include "base/error.h"
 #include "base/joined.h"
 #include "base/text.h"
-#include "dicom/frame_of_reference.h"
 #include "dicom/identity.h"
 #include "itk/same_place.h"
 #include "itk/transform_file.h"
