@@ -81,7 +81,13 @@ TEST(BodyPart, AHeadIsOneAndNoSpineOrChestWhereItEndsBelowTheSkull) {
     const std::string why = refused(head(0), trunk);
     EXPECT_TRUE(has(why, "a head is seen (a cranial cavity of 1")) << why;
     EXPECT_TRUE(has(why, "the scan ends")) << why;
-    EXPECT_TRUE(has(why, "configs/ct_head.yaml")) << why;
+    EXPECT_TRUE(has(why, "configs/ct_head.yaml makes a head")) << why;
+    EXPECT_FALSE(has(why, "--no-refuse")) << "what is not in the scan is not made: " << why;
+    EXPECT_FALSE(has(why, "clavicle")) << "a recipe may do without: " << why;
+    Report passed;
+    value_of(passed, look::judge_body_part(head(0), {trunk, false}));
+    ASSERT_EQ(passed.warnings.size(), 1u);
+    EXPECT_FALSE(has(passed.warnings[0], "configs/")) << "the remedy is done: " << passed.warnings[0];
   }
   EXPECT_EQ(refused(head(0), BodyPart::any), "");
 }
@@ -124,6 +130,7 @@ TEST(BodyPart, LungsAreNoHeadAndTheRecipeThatFitsIsNamed) {
   EXPECT_EQ(said(report), "unknown");
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_TRUE(has(report.warnings[0], "lungs are seen, and no head")) << report.warnings[0];
+  EXPECT_FALSE(has(report.warnings[0], "refuse")) << "it is done: " << report.warnings[0];
 }
 
 TEST(BodyPart, ASkullFullOfGasIsNoChest) {

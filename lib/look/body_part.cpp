@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "base/error.h"
@@ -135,45 +136,45 @@ BodyPartSeen body_part_of(const grid::HuVolume& volume, const Progress& progress
 
 namespace {
 
-// Whether a head is seen, or at least a skull that is small, open or cut.
-const Message made_all_the_same = Message(Setting{"refuse", "false"}) + " makes it, and the verdict calls it doubtful";
+/// The scan surely shows another part of the body, and what is done about it.
+struct OtherPart {
+  std::string what;
+  Message remedy;
+};
 
-bool shows_head(const BodyPartSeen& seen) {
-  if (seen.head) return true;
+const Message or_all_the_same = "; or where it is a head all the same, " + Setting{"refuse", "false"} +
+                                " makes it, and the verdict calls it doubtful";
+
+std::optional<OtherPart> other_than_head(const BodyPartSeen& seen) {
+  if (seen.head) return {};
   if (seen.enclosed_air_ratio > lung_ratio && seen.enclosed_inner_air_ml > lung_ml && seen.tissue_ml > lung_tissue_ml &&
       seen.walled_ratio < lung_walled_ratio)
-    throw refusal("expected",
-                  fmt::format("lungs are seen, and no head: {:.0f} % of the {:.0f} ml that bone encloses are air, of a "
-                              "head at most {:.0f} %",
-                              100 * seen.enclosed_air_ratio, seen.enclosed_ml, 100 * lung_ratio),
-                  {"take a series of a head; of this one configs/ct_chest.yaml makes a chest, "
-                   "configs/ct_chest_bone.yaml skin and bone alone; or where it is a head all the same, " +
-                   made_all_the_same});
+    return OtherPart{fmt::format("lungs are seen, and no head: {:.0f} % of the {:.0f} ml that bone encloses are air, "
+                                 "of a head at most {:.0f} %",
+                                 100 * seen.enclosed_air_ratio, seen.enclosed_ml, 100 * lung_ratio),
+                     "take a series of a head; of this one configs/ct_chest.yaml makes a chest, "
+                     "configs/ct_chest_bone.yaml skin and bone alone" +
+                         or_all_the_same};
   const double canal_mm = *seen.canal_mm, canal_hu = *seen.canal_hu, bone_ratio = *seen.bone_about_canal_ratio;
   if (seen.enclosed_ml == 0 && canal_mm > spine_mm && canal_hu > spine_low_hu && canal_hu < spine_high_hu &&
       bone_ratio > spine_bone_ratio)
-    throw refusal("expected",
-                  fmt::format("a spine is seen, and no head: bone encloses no cranial cavity, but a canal {:.0f} mm "
-                              "long, and {:.0f} % of all bone lie about it, of a head less than {:.0f} %",
-                              canal_mm, 100 * bone_ratio, 100 * spine_bone_ratio),
-                  {"take a series of a head; of this one configs/ct_spine_bone.yaml makes a spine; or where it is a "
-                   "head all the same, " +
-                   made_all_the_same});
-  return may_be_head(seen);
+    return OtherPart{fmt::format("a spine is seen, and no head: bone encloses no cranial cavity, but a canal {:.0f} mm "
+                                 "long, and {:.0f} % of all bone lie about it, of a head less than {:.0f} %",
+                                 canal_mm, 100 * bone_ratio, 100 * spine_bone_ratio),
+                     "take a series of a head; of this one configs/ct_spine_bone.yaml makes a spine" + or_all_the_same};
+  return {};
 }
 
-void judge_trunk(const BodyPartSeen& seen, bool spine) {
+// What is not in the scan no parameter makes: the one remedy is the recipe of a head.
+std::optional<OtherPart> other_than_trunk(const BodyPartSeen& seen, bool spine) {
   const double least_mm = spine ? vertebra_mm : clavicle_mm;
-  if (!seen.head || seen.below_mm >= least_mm) return;
-  throw refusal(
-      "expected",
-      fmt::format("a head is seen (a cranial cavity of {:.0f} ml), and the scan ends {:.0f} mm below it: {} "
-                  "needs at least {:.0f} mm",
-                  seen.enclosed_ml, seen.below_mm, spine ? "a vertebra with pedicles" : "a clavicle", least_mm),
-      {fmt::format("take a series of a {}; of this one configs/ct_head.yaml makes a head; or where it is "
-                   "right all the same, ",
-                   spine ? "spine" : "chest with its shoulders") +
-       made_all_the_same});
+  if (!seen.head || seen.below_mm >= least_mm) return {};
+  return OtherPart{fmt::format("a head is seen (a cranial cavity of {:.0f} ml), and the scan ends {:.0f} mm below it: "
+                               "{} at least {:.0f} mm below",
+                               seen.enclosed_ml, seen.below_mm,
+                               spine ? "a vertebra with pedicles ends" : "a chest begins", least_mm),
+                   fmt::format("take a series of a {}; of this one configs/ct_head.yaml makes a head",
+                               spine ? "spine" : "chest with its shoulders")};
 }
 
 }  // namespace
@@ -189,21 +190,20 @@ Outcome<std::monostate, BodyPartResult> judge_body_part(const grid::HuVolume& vo
   Outcome<std::monostate, BodyPartResult> out;
   out.result.seen = body_part_of(volume, progress);
   if (params.expected == BodyPart::head) out.result.is_expected = IsExpected::yes;
-  try {
-    if (params.expected == BodyPart::head && !shows_head(out.result.seen)) {
-      out.result.is_expected = IsExpected::unknown;
-      out.warnings.push_back({"no_cranial_cavity",
-                              "no cranial cavity with a brain in it is seen, so nothing says that a head was scanned: "
-                              "bone is made of it, whichever it is; look at the overlays",
-                              {}});
-    }
-    if (params.expected == BodyPart::spine || params.expected == BodyPart::chest)
-      judge_trunk(out.result.seen, params.expected == BodyPart::spine);
-  } catch (const Error& e) {
-    if (params.refuse) throw;
-    out.result.is_expected = IsExpected::unknown;
-    out.warnings.push_back({"other_part", "{why}", {{"why", e.message().text("body_part")}}});
+  std::optional<OtherPart> other;
+  if (params.expected == BodyPart::head) other = other_than_head(out.result.seen);
+  if (params.expected == BodyPart::spine || params.expected == BodyPart::chest)
+    other = other_than_trunk(out.result.seen, params.expected == BodyPart::spine);
+  if (other && params.refuse) throw refusal("expected", other->what, {other->remedy});
+  if (other) {
+    out.warnings.push_back({"other_part", "{why}", {{"why", other->what}}});
+  } else if (params.expected == BodyPart::head && !may_be_head(out.result.seen)) {
+    out.warnings.push_back({"no_cranial_cavity",
+                            "no cranial cavity with a brain in it is seen, so nothing says that a head was scanned: "
+                            "bone is made of it, whichever it is; look at the overlays",
+                            {}});
   }
+  if (!out.warnings.empty()) out.result.is_expected = IsExpected::unknown;
   return out;
 }
 

@@ -8,7 +8,7 @@ namespace trephine::stages {
 StageType body_part_stage() {
   StageType s;
   s.name = "body_part";
-  s.version = 2;
+  s.version = 3;
   s.typical.base_s = 0.1;
   s.typical.per_million_voxels_s = 0.012;
   s.place = StagePlace::scan;
