@@ -12,6 +12,7 @@
 #include "picture/image.h"
 #include "pipeline/graph.h"
 #include "publish/case_pictures.h"
+#include "publish/face_clearance.h"
 #include "publish/head_content.h"
 #include "publish/verdict.h"
 #include "scratch_folder.h"
@@ -68,6 +69,20 @@ int source(const pipeline::Graph& g, const char* node, const char* port) {
   const auto& sources = g.nodes[static_cast<std::size_t>(n)].sources;
   const auto found = sources.find(port);
   return found == sources.end() ? -1 : found->second;
+}
+
+// What a run says at its end of the face is what the next run can do.
+TEST(PublishHead, AFaceIsOfferedToBeTakenOffWhereItsLandmarksAreSure) {
+  std::vector<cases::CaseLandmark> all = {{"nasion", {0, -95, 10}, 0.9, "found"},
+                                          {"tragus_left", {72, 0, -20}, 0.9, "found"},
+                                          {"tragus_right", {-72, 0, -20}, 0.9, "found"}};
+  const std::string sure = publish::how_to_take_face_off(all);
+  EXPECT_EQ(sure, "`--set scene.face.policy=deface` takes it off");
+  EXPECT_EQ(publish::how_to_take_face_off({}), sure) << "nobody has looked for them";
+  all[1].confidence = 0.33649917399162155;
+  const std::string unsure = publish::how_to_take_face_off(all);
+  EXPECT_NE(unsure.find("once the landmarks of the face are given"), std::string::npos) << unsure;
+  EXPECT_NE(unsure.find("by landmarks.tragus_left as it was found"), std::string::npos) << unsure;
 }
 
 }  // namespace

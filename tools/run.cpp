@@ -32,8 +32,11 @@ constexpr double min_line_s = 1;  // stages that take less are told by the table
 class DisplayObserver : public pipeline::RunObserver {
  public:
   explicit DisplayObserver(bool quiet) : quiet_(quiet), display_(quiet) {}
-  void kept(const std::filesystem::path& folder) override {
-    if (!quiet_) log_line("what was made is kept for looking in " + folder.string());
+  void kept(const std::filesystem::path& folder, bool with_pictures) override {
+    if (!quiet_)
+      log_line((with_pictures ? "pictures of what was made are kept for looking in "
+                              : "the message alone is kept, for there is nothing that may be looked at, in ") +
+               folder.string());
   }
   void estimated(const std::string& needs) override {
     if (!quiet_) log_line(needs);

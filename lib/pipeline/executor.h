@@ -25,8 +25,8 @@ class RunObserver {
   virtual void planned(const std::vector<std::pair<std::string, double>>& expected_s) { (void)expected_s; }
   /// Begins what follows the nodes: making pictures and page, and publishing.
   virtual void publishing() {}
-  /// The run is refused, and what was made is kept for looking in that folder.
-  virtual void kept(const std::filesystem::path& folder) { (void)folder; }
+  /// The run is refused, and the message is kept in that folder, with pictures where there is something to look at.
+  virtual void kept(const std::filesystem::path& folder, bool with_pictures) { (void)folder, (void)with_pictures; }
   /// What the whole run will take, in a line, once its scan is known.
   virtual void estimated(const std::string& needs) { (void)needs; }
   virtual void started(const std::string& node) { (void)node; }

@@ -218,4 +218,17 @@ void require_made_without_face(const config::CaseConfig& config, const pipeline:
                             ", whose face is not taken away; run the case, whose gate checks what is published");
 }
 
+std::string how_to_take_face_off(const std::vector<cases::CaseLandmark>& landmarks) {
+  const std::string setting = "`--set scene.face.policy=deface` takes it off";
+  const bool looked_for =
+      std::any_of(landmarks.begin(), landmarks.end(), [](const cases::CaseLandmark& l) { return l.source != "given"; });
+  try {
+    if (looked_for) face::face_region({{}, landmarks});
+    return setting;
+  } catch (const Error& e) {
+    return setting + " once the landmarks of the face are given in the case's configuration, mm, LPS: by " + e.field() +
+           " as it was found nobody knows where the face is";
+  }
+}
+
 }  // namespace trephine::publish

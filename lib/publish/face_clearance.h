@@ -63,4 +63,8 @@ bool shows_no_skin(const config::CaseConfig& config, const pipeline::Graph& grap
 /// that has it still.
 void require_made_without_face(const config::CaseConfig& config, const pipeline::Graph& graph, int node);
 
+/// How the face that a case shows is taken off: by a setting alone, or, where the landmarks were looked for and do not
+/// say where the face is, once they are given.
+std::string how_to_take_face_off(const std::vector<cases::CaseLandmark>& landmarks);
+
 }  // namespace trephine::publish

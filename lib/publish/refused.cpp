@@ -158,6 +158,13 @@ bool has_stamp(const fs::path& file, const std::string& stamp) {
   }
 }
 
+bool holds_picture(const fs::path& folder) {
+  std::error_code failed;
+  for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed))
+    if (at->path().extension() == ".png") return true;
+  return false;
+}
+
 fs::path half_made(const fs::path& folder) { return folder.parent_path() / ("." + folder.filename().string()); }
 
 }  // namespace
@@ -166,12 +173,12 @@ fs::path refused_folder(const fs::path& library, const std::string& case_token) 
   return library / (case_token + ".refused");
 }
 
-void keep_refused(const fs::path& folder, const RefusedRun& run, const Error& refusal, const Error& told) {
+bool keep_refused(const fs::path& folder, const RefusedRun& run, const Error& refusal, const Error& told) {
   const std::string message = message_of(run, told);
   std::error_code error;
   // The same again, from the cache: what is there shows it already.
   if (run.made.empty() && refusal.code() == ExitCode::quality && has_stamp(folder / message_file, stamp_of(run)))
-    return;
+    return holds_picture(folder);
   const fs::path fresh = half_made(folder);
   fs::remove_all(fresh, error);
   make_output_folder(fresh);
@@ -183,6 +190,7 @@ void keep_refused(const fs::path& folder, const RefusedRun& run, const Error& re
   fs::remove_all(folder, error);
   fs::rename(fresh, folder, error);
   if (error) throw Error(ExitCode::cannot_create, folder.string(), "", error.message());
+  return holds_picture(folder);
 }
 
 void remove_refused(const fs::path& folder) {

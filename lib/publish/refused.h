@@ -31,8 +31,9 @@ struct RefusedRun {
 /// holds the message alone. Where the scene takes the face away (crop, deface) and the face gate had not passed yet,
 /// there are pictures only of surfaces that show no face, and none of the scan. The message holds no path, for paths
 /// may name patients. Where nothing was made anew because the refusal was in the cache, the pictures of the run that
-/// made it stay. `refusal` as it was thrown, which may hold a picture; `told` as it is told. Throws Error 73, 74.
-void keep_refused(const std::filesystem::path& folder, const RefusedRun& run, const Error& refusal, const Error& told);
+/// made it stay. `refusal` as it was thrown, which may hold a picture; `told` as it is told. Returns whether the folder
+/// holds a picture. Throws Error 73, 74.
+bool keep_refused(const std::filesystem::path& folder, const RefusedRun& run, const Error& refusal, const Error& told);
 
 /// Removes the folder and what a killed run left of one.
 void remove_refused(const std::filesystem::path& folder);

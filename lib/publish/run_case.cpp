@@ -135,8 +135,7 @@ void show_refusal(const fs::path& folder, const RefusedRun& run, const Error& e,
                   pipeline::RunObserver& observer) {
   if (e.code() != ExitCode::quality && e.code() != ExitCode::privacy) return;
   try {
-    keep_refused(folder, run, e, told);
-    observer.kept(folder);
+    observer.kept(folder, keep_refused(folder, run, e, told));
   } catch (const Error& failed) {  // the reason of the refusal matters more than this failure
     log_warning(run.config.case_token + ": what was made could not be kept for looking: " + failed.what());
   } catch (const std::exception&) {
@@ -308,8 +307,8 @@ RunResult result_of(const fs::path& folder, const CaseContent& content) {
   if (const ParameterValue* verdict = find_item(content.manifest.figures, "verdict"))
     result.table += "\n" + std::get<std::string>(*verdict) + "\n";
   if (content.manifest.face_policy == "keep")
-    result.table += "\nface: the case shows it (" + content.manifest.face_reason +
-                    "); `--set scene.face.policy=deface` takes it off\n";
+    result.table += "\nface: the case shows it (" + content.manifest.face_reason + "); " +
+                    how_to_take_face_off(content.manifest.landmarks) + "\n";
   return result;
 }
 

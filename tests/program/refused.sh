@@ -69,8 +69,10 @@ run "${strict[@]}" --set anatomy.max_near_mm2="$most" >/dev/null 2>"$work/said" 
 
 # After an 81 there is the message alone. (Voxels this coarse do not show the ears.)
 code=0
-"$TREPHINE" run configs/ct_head_defaced.yaml --series sample_dicom --out "$library" --case b --quiet \
-  --set "resample.spacing_mm=[2.5,2.5,2.5]" >/dev/null 2>&1 || code=$?
+"$TREPHINE" run configs/ct_head_defaced.yaml --series sample_dicom --out "$library" --case b \
+  --set "resample.spacing_mm=[2.5,2.5,2.5]" >/dev/null 2>"$work/said" || code=$?
+grep -q 'the message alone is kept, for there is nothing that may be looked at, in .*b\.refused' "$work/said" || {
+  cat "$work/said" >&2; fail "the run says that there is something to look at"; }
 ((code == 81)) || fail "exit code $code instead of 81"
 [[ $(ls "$library/b.refused") == message.txt ]] || fail "more than the message: $(ls "$library/b.refused")"
 
