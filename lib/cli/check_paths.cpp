@@ -14,6 +14,23 @@ namespace {
 
 std::string reason() { return std::strerror(errno); }
 
+// Of a scan's path, which may name a patient, no part is shown: how many of them are there says where it ends.
+std::string scan_not_found(const fs::path& path) {
+  int parts = 0, there = 0;
+  fs::path upto;
+  std::error_code ignored;
+  for (const fs::path& part : path) {
+    upto /= part;
+    if (part.empty() || part == "/" || part == ".") continue;
+    ++parts;
+    there += fs::exists(upto, ignored);
+  }
+  return "not found: of the " + std::to_string(parts) + (parts == 1 ? " part" : " parts") +
+         " of the path that is given " +
+         (there == 0 ? "none exists" : "the first " + std::to_string(there) + " exist") +
+         "; check how the next one is written, and put a path with blanks in quotes";
+}
+
 // The fault, or "" where the path exists, can be read and is of the right kind.
 std::string input_fault(const fs::path& path, bool file_allowed, bool folder_allowed) {
   std::error_code error;
@@ -63,6 +80,7 @@ void check_paths(const ParsedCommand& parsed) {
     for (const std::string& value : parsed.all(a.name)) {
       std::string fault;
       ExitCode code = ExitCode::no_input;
+      std::error_code ignored;
       switch (a.kind) {
         case Argument::Kind::in_file:
           fault = input_fault(value, true, false);
@@ -71,8 +89,11 @@ void check_paths(const ParsedCommand& parsed) {
           fault = input_fault(value, false, true);
           break;
         case Argument::Kind::in_path:
-        case Argument::Kind::in_scan:
           fault = input_fault(value, true, true);
+          break;
+        case Argument::Kind::in_scan:
+          fault = fs::status(value, ignored).type() == fs::file_type::not_found ? scan_not_found(value)
+                                                                                : input_fault(value, true, true);
           break;
         case Argument::Kind::out_file:
           fault = output_file_fault(value);

@@ -5,7 +5,7 @@
 config=$SOURCE/configs/ct_head.yaml
 run=("$TREPHINE" run --quiet)
 
-expect 66 'trephine run: scan: --series: not found' "${run[@]}" "$config" --series "$work/nowhere" --out "$work/out"
+expect 66 'trephine run: scan: --series: not found: of the [0-9]+ parts of the path that is given the first [0-9]+ exist; check' "${run[@]}" "$config" --series "$work/nowhere" --out "$work/out"
 mkdir "$work/empty"
 expect 65 'trephine run: .*scan: .*DICOM' "${run[@]}" "$config" --series "$work/empty" --out "$work/out"
 echo text >"$work/empty/notes.txt"

@@ -18,7 +18,7 @@ refuse() {  # refuse CODE PATTERN COMMAND...
 }
 refuse 65 "^trephine import: scan: file 6 of $n \([0-9a-f]{8}\): PixelData" "$TREPHINE" import CANARYDOE_JOHN --output o.nrrd --quiet
 refuse 65 'scan: file 6 of' "$TREPHINE" run "$SOURCE/configs/sample.yaml" --series CANARYDOE_JOHN --out lib --quiet
-refuse 66 'scan: --series: not found' "$TREPHINE" run "$SOURCE/configs/sample.yaml" --series CANARYNOWHERE --out lib --quiet
+refuse 66 'scan: --series: not found: of the 1 part of the path that is given none exists' "$TREPHINE" run "$SOURCE/configs/sample.yaml" --series CANARYNOWHERE --out lib --quiet
 refuse 66 'scan: ' "$TREPHINE" import CANARYNOWHERE --list
 refuse 65 'scan \([0-9a-f]{8}\): PixelData' "$TREPHINE" import CANARYDOE_JOHN/CANARYSCANS/CANARY1005.dcm --output o.nrrd --quiet
 # The map names it, and nobody else may read it, whatever stood there before.
