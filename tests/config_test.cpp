@@ -168,7 +168,9 @@ TEST(Config, WhatYamlWouldLetThrough) {
   EXPECT_TRUE(has(one("case: a\ncase: b\n").at(0), "case.yaml:5:1: case: the key is repeated"));
   EXPECT_TRUE(has(one("set: {skull.decimate.max_deviation_mm: 0,5}\n").at(0), "case.yaml:4"));
   EXPECT_TRUE(has(one("case: &a x\n").at(0), "anchors"));
-  EXPECT_TRUE(has(one("case: [\n").at(0), "is not YAML"));
+  EXPECT_TRUE(has(one("case: [\n").at(0), "case.yaml:4:7: is not YAML: the brace or bracket that opens here"));
+  EXPECT_TRUE(has(one("case: a\nset: {skull.decimate.max_deviation_mm: 0.3\n\n").at(0), "case.yaml:5:6: is not YAML"));
+  EXPECT_TRUE(has(one("case: a: b\n").at(0), "case.yaml:4:8: is not YAML: "));
   EXPECT_TRUE(has(one("case: " + std::string(600, '[') + std::string(600, ']') + "\n").at(0), "nested deeper than 32"));
   EXPECT_TRUE(has(one(std::string(10 << 20, '#')).at(0), "larger than 1 MiB"));
   EXPECT_TRUE(has(one(std::string("case: \x01\n")).at(0), "case.yaml:4:1"));
@@ -261,6 +263,12 @@ TEST(Config, AValueBelowSetIsReportedOnce) {
   const auto lines = faults(Files(beginning + "set: {skull.decimate: {max_deviation_mm: 1}, import.max_gap_mm: }\n"));
   ASSERT_EQ(lines.size(), 2u) << lines[0];
   for (const std::string& line : lines) EXPECT_TRUE(has(line, "must be a value or a list of values")) << line;
+}
+
+TEST(Config, ADecimalCommaIsAnsweredWithThePoint) {
+  const auto lines = faults(Files(beginning + "set: {skull.decimate.max_deviation_mm: 0,3}\n"));
+  ASSERT_EQ(lines.size(), 1u) << lines[0];
+  EXPECT_TRUE(has(lines[0], "set.3: must be a value") && has(lines[0], "a point, no comma")) << lines[0];
 }
 
 TEST(Config, ACountIsAWholeNumber) {

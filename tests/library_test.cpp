@@ -143,6 +143,26 @@ TEST_F(Library, AFaultOfASettingHasItsPlace) {
   EXPECT_NE(replaced.find("--set skull.segment.lower_hu: "), std::string::npos) << replaced;
 }
 
+// So is a configuration that is not there, with the one beside it that may be meant.
+TEST_F(Library, AConfigurationThatIsNotThereHasItsPlace) {
+  scratch_.write("ct_head.yaml", "");
+  const library::LibraryConfig c =
+      read("config: ct_haed.yaml\ncases:\n  - {case: a, series: s}\n  - {case: b, config: c.yaml, series: s}\n");
+  const auto said = [&](std::size_t i) -> std::string {
+    try {
+      library::read_case_settings(c.cases.at(i), {}, true, "p 1");
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::no_input);
+      return e.line("t");
+    }
+    return "read";
+  };
+  EXPECT_NE(said(0).find("l.yaml:2:9: config: "), std::string::npos) << said(0);
+  EXPECT_NE(said(0).find("ct_haed.yaml, not found, did you mean ct_head.yaml?"), std::string::npos) << said(0);
+  EXPECT_NE(said(1).find("l.yaml:5:23: config: "), std::string::npos) << said(1);
+  EXPECT_NE(c.cases.at(1).series_at.find("l.yaml:5:39"), std::string::npos) << c.cases.at(1).series_at;
+}
+
 TEST_F(Library, SettingsChangeWithWhatCountsOnly) {
   fs::copy(source / "pipelines/ventriculostomy.yaml", scratch_.path() / "p.yaml");
   const auto scene = [&](const std::string& text) { scratch_.write("s.yaml", "trephine: 1\n" + text); };

@@ -224,7 +224,9 @@ std::string set_parameter(void* object, const Parameter& parameter, const YamlNo
   ParameterValue parsed;
   std::string fault;
   if (parameter.source == "value" && value.kind != Kind::scalar)
-    fault = "must be a value or a list of values";
+    fault = value.kind == Kind::null
+                ? "must be a value or a list of values, and there is none; a decimal number has a point, no comma: 0.3"
+                : "must be a value or a list of values";
   else if (is_list != (parameter.kind == ParameterKind::numbers) || (!is_list && value.kind != Kind::scalar))
     fault = parse_parameter(parameter, {}, parsed);  // no item fits: the text says what does
   else

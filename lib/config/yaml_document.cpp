@@ -79,22 +79,27 @@ class TreeBuilder : public YAML::EventHandler {
     add(std::move(node));
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
-                       YAML::EmitterStyle::value) override {
+                       YAML::EmitterStyle::value style) override {
     refuse_tag(mark, tag);
-    push(make(mark, YamlNode::Kind::list, "", anchor));
+    push(make(mark, YamlNode::Kind::list, "", anchor), style);
   }
   void OnSequenceEnd() override { pop(); }
   void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
-                  YAML::EmitterStyle::value) override {
+                  YAML::EmitterStyle::value style) override {
     refuse_tag(mark, tag);
-    push(make(mark, YamlNode::Kind::map, "", anchor));
+    push(make(mark, YamlNode::Kind::map, "", anchor), style);
   }
   void OnMapEnd() override { pop(); }
+
+  /// The innermost brace or bracket that has not been closed yet; null: there is none.
+  const YamlNode* not_closed() const {
+    return open_.empty() || !open_.back().in_brackets ? nullptr : &open_.back().node;
+  }
 
  private:
   struct Open {
     YamlNode node, key;
-    bool has_key = false;
+    bool has_key = false, in_brackets = false;
     std::unordered_set<std::string> keys{};
   };
 
@@ -110,10 +115,10 @@ class TreeBuilder : public YAML::EventHandler {
     node.column = mark.column + 1;
     return node;
   }
-  void push(YamlNode node) {
+  void push(YamlNode node, YAML::EmitterStyle::value style) {
     if (open_.size() >= max_depth)
       refuse(file_, node.line, node.column, "nested deeper than " + std::to_string(max_depth) + " levels");
-    open_.push_back({std::move(node), {}, false, {}});
+    open_.push_back({std::move(node), {}, false, style == YAML::EmitterStyle::Flow, {}});
   }
   void pop() {
     YamlNode node = std::move(open_.back().node);
@@ -202,15 +207,20 @@ YamlNode parse_yaml(const std::string& text, const std::filesystem::path& file) 
 
   YamlNode root;
   ConfigFaults faults;
+  TreeBuilder builder(file, root, faults);
   try {
     std::istringstream stream(text);
     YAML::Parser parser(stream);
-    TreeBuilder builder(file, root, faults);
     parser.HandleNextDocument(builder);
     YamlNode second;
     TreeBuilder rest(file, second, faults);
     if (parser.HandleNextDocument(rest)) refuse(file, second.line, second.column, "holds a second document");
   } catch (const YAML::Exception& e) {
+    const auto is_letter = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; };
+    const std::string whole = text.substr(0, text.find_last_not_of(" \n\r\t") + 1);
+    const bool at_end = e.mark.pos >= std::count_if(whole.begin(), whole.end(), is_letter);
+    if (const YamlNode* open = builder.not_closed(); open && at_end)
+      refuse(file, open->line, open->column, "is not YAML: the brace or bracket that opens here is not closed");
     refuse(file, std::max(0, e.mark.line) + 1, std::max(0, e.mark.column) + 1, "is not YAML: " + e.msg);
   }
   faults.raise();

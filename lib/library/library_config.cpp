@@ -76,9 +76,21 @@ class Reader {
     std::string ignored;
     return text.empty() ? fs::path() : in_root(text, ignored);
   }
+  std::string place_of(const config::YamlNode& at) const {
+    return out_.file.string() + ":" + std::to_string(at.line) + ":" + std::to_string(at.column);
+  }
+  struct OneConfig {
+    std::string suffix;
+    fs::path file;
+    std::string at;
+  };
+  OneConfig config_of(const std::string& suffix, const std::string& text, const std::string& where) const {
+    return {suffix, file_of(text), text.empty() ? "" : place_of(at_.at(where))};
+  }
   void read_configs() {
-    if (!said_.config.empty()) configs_.push_back({"", file_of(said_.config)});
-    for (const auto& [name, path] : said_.configs) configs_.push_back({"-" + name, file_of(path.path)});
+    if (!said_.config.empty()) configs_.push_back(config_of("", said_.config, "config"));
+    for (const auto& [name, path] : said_.configs)
+      configs_.push_back(config_of("-" + name, path.path, "configs." + name));
     if (!said_.config.empty() && !said_.configs.empty())
       faults_.add(out_.file, at_.at("configs"), "configs", "stands beside config: give one of them");
   }
@@ -123,15 +135,14 @@ class Reader {
     for (const auto& [path, value] : values) {
       const std::string one = where + "." + path;
       const bool is_file = names_file(path) && !value.text.empty();
-      const config::YamlNode& key = at_.key(one);
-      all.in_file[path] = out_.file.string() + ":" + std::to_string(key.line) + ":" + std::to_string(key.column);
+      all.in_file[path] = place_of(at_.key(one));
       all.set.push_back(path + "=" + (is_file ? path_at(at_.at(one), one, value.text).string() : value.text));
     }
     return all;
   }
 
   // Adds the cases of one patient: a case of its own configuration, or of each configuration of the library.
-  void add_cases(LibraryCase one, const fs::path& own_config, const config::YamlNode& at, const std::string& where,
+  void add_cases(LibraryCase one, const OneConfig& own_config, const config::YamlNode& at, const std::string& where,
                  const Settings& own) {
     one.set = shared_set_.set;
     one.set.insert(one.set.end(), own.set.begin(), own.set.end());
@@ -139,16 +150,16 @@ class Reader {
     one.set_in_file = own.in_file;
     one.set_in_file.insert(shared_set_.in_file.begin(), shared_set_.in_file.end());
     for (const std::string& text : overrides_.set) one.set_in_file.erase(text.substr(0, text.find('=')));
-    std::vector<std::pair<std::string, fs::path>> configs = configs_;
-    if (!own_config.empty()) configs = {{"", own_config}};
+    const std::vector<OneConfig> configs = own_config.file.empty() ? configs_ : std::vector<OneConfig>{own_config};
     if (configs.empty()) faults_.add(out_.file, at, where, "has no configuration: give config here or for the library");
-    for (const auto& [suffix, config] : configs) {
-      one.suffix = suffix;
-      one.config = config;
-      if (!one.token.empty() && !tokens_.insert(one.token + suffix).second)
-        faults_.add(out_.file, at, where, one.token + suffix + ", the case is there already");
+    for (const OneConfig& config : configs) {
+      one.suffix = config.suffix;
+      one.config = config.file;
+      one.config_at = config.at;
+      if (!one.token.empty() && !tokens_.insert(one.token + one.suffix).second)
+        faults_.add(out_.file, at, where, one.token + one.suffix + ", the case is there already");
       out_.cases.push_back(one);
-      if (!one.token.empty()) out_.cases.back().token += suffix;
+      if (!one.token.empty()) out_.cases.back().token += one.suffix;
     }
   }
 
@@ -169,8 +180,10 @@ class Reader {
     one.token = one.origin = said.case_token;
     check_token(where + ".case", said.case_token);
     one.series = file_of(said.series);
+    if (!said.series.empty()) one.series_at = place_of(at_.at(where + ".series"));
     one.landmarks = file_of(said.landmarks_file);
-    add_cases(std::move(one), file_of(said.config), node, where, set_of(said.set, where + ".set"));
+    add_cases(std::move(one), config_of("", said.config, where + ".config"), node, where,
+              set_of(said.set, where + ".set"));
   }
 
   void find_series(std::size_t i) {
@@ -212,7 +225,8 @@ class Reader {
       patient.token = patient.origin = said.name;
       patient.phantom = static_cast<int>(out_.phantoms.size());
       out_.phantoms.push_back({said.name, values.as<PhantomValues>().params()});
-      add_cases(std::move(patient), file_of(said.config), at_.at(where), where, set_of(said.set, where + ".set"));
+      add_cases(std::move(patient), config_of("", said.config, where + ".config"), at_.at(where), where,
+                set_of(said.set, where + ".set"));
     }
   }
 
@@ -243,7 +257,7 @@ class Reader {
   std::vector<fs::path> roots_;
   config::ConfigFaults faults_;
   LibraryConfig out_;
-  std::vector<std::pair<std::string, fs::path>> configs_;  // suffix, file
+  std::vector<OneConfig> configs_;
   Settings shared_set_;
   std::set<std::string> tokens_, said_once_;
 };

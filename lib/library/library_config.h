@@ -26,6 +26,7 @@ struct LibraryCase {
   std::vector<std::string>
       set;  ///< path=value, from the library, then the case, then the command line: the last one wins
   std::map<std::string, std::string> set_in_file;  ///< by path, where the file has it: "library.yaml:5:64"
+  std::string config_at, series_at;  ///< where the file names them: "library.yaml:5:30"; empty: it names none there
   std::string origin;  ///< "series[0] folder 3": its name in messages while it has no token; never a folder's name
 };
 

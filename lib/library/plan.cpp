@@ -212,6 +212,7 @@ class Planner {
     }
     for (PlannedCase* c : cases) {
       c->fault = fault;
+      if (fault && !c->entry.series_at.empty()) c->fault->refiled(c->entry.series_at);
       c->inputs.series_sha256 = content.sha256;
       c->voxels = content.voxels;
       if (c->entry.token.empty() && !fault)

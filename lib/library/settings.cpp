@@ -8,6 +8,7 @@
 #include "base/hash.h"
 #include "base/text.h"
 #include "config/config.h"
+#include "config/declared.h"
 
 namespace trephine::library {
 namespace fs = std::filesystem;
@@ -44,6 +45,17 @@ std::string in_words(const std::string& name) {
   return "landmark " + std::string(rest.substr(0, rest.find('.'))) + " changed";
 }
 
+// A configuration that is not there has its place in LIBRARY.yaml, and often a neighbour that was meant.
+void require_config(const LibraryCase& one) {
+  std::error_code failed;
+  if (one.config_at.empty() || fs::exists(one.config, failed)) return;
+  std::vector<std::string> beside;
+  for (fs::directory_iterator at(one.config.parent_path(), failed), end; !failed && at != end; at.increment(failed))
+    beside.push_back(at->path().filename().string());
+  throw Error(ExitCode::no_input, one.config_at, "config",
+              one.config.string() + ", not found" + config::did_you_mean(one.config.filename().string(), beside));
+}
+
 }  // namespace
 
 CaseSettings read_case_settings(const LibraryCase& one, const std::vector<fs::path>& roots, bool pictures,
@@ -53,6 +65,7 @@ CaseSettings read_case_settings(const LibraryCase& one, const std::vector<fs::pa
   overrides.set_in_library = one.set_in_file;
   overrides.roots = roots;
   overrides.landmarks = one.landmarks;
+  require_config(one);
   const config::CaseConfig config = config::read_case_config(one.config, overrides);
   CaseSettings out;
   out.series = config.series;
