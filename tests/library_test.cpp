@@ -316,6 +316,9 @@ TEST(LibrarySheet, EscapesAndShowsWhatThereIs) {
   EXPECT_EQ(page.find("<script>alert"), std::string::npos);
   EXPECT_NE(page.find("\\u003cscript>alert(1)\\u003c/script>"), std::string::npos);
   EXPECT_NE(page.find("12345"), std::string::npos);
+  good.severities = {"wrong"};
+  EXPECT_NE(library::sheet_of(scratch.path(), 2, row).html.find("\"severities\":[\"wrong\"]"), std::string::npos);
+  EXPECT_NE(library::case_text(good).find("  wrong: <script>"), std::string::npos) << library::case_text(good);
   EXPECT_NE(page.find("\"pictures\":[\"report/cut.png\"],\"page\":true"), std::string::npos);
   EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
   EXPECT_NE(page.find("was never built"), std::string::npos);

@@ -77,7 +77,9 @@ function rowOf(index, c, i) {
             : column.key === 'warned' && v
               ? 'number bad'
               : 'number',
-          column.digits === undefined ? v : number(v, column.digits)
+          column.digits === undefined
+            ? v
+            : number(v, column.digits) + (column.key === 'warned' && c.wrong ? ` (${c.wrong} wrong)` : '')
         )
       )
   }
@@ -121,7 +123,8 @@ function showDetail(c) {
     )
     table.append(row)
   }
-  $('detail').replaceChildren(head, ...[c.fault, ...c.warnings].filter(t => t).map(t => make('p', 'bad', t)), table)
+  const warnings = c.warnings.map((text, i) => (c.severities[i] ? c.severities[i] + ': ' : '') + text)
+  $('detail').replaceChildren(head, ...[c.fault, ...warnings].filter(t => t).map(t => make('p', 'bad', t)), table)
   $('detail').hidden = false
 }
 
@@ -133,6 +136,7 @@ function readCases(index) {
   for (const c of cases) {
     c.text = [c.case, c.class, c.fault, ...c.warnings].join('\n').toLowerCase()
     c.warned = c.warnings.length
+    c.wrong = c.severities.filter(s => s === 'wrong').length
     for (const a of c.anatomies) c['ml ' + a.name] = a.volume_ml
   }
   const columns = [
@@ -143,7 +147,7 @@ function readCases(index) {
     { key: 'shift_mm', name: 'shift mm', digits: 1 },
     { key: 'triangles', name: 'triangles', digits: 0 },
     { key: 'deviation_mm', name: 'max mm', digits: 2 },
-    { key: 'warned', name: 'warnings', digits: 0 },
+    { key: 'warned', name: 'warnings', digits: 0, wide: 'minmax(7em, .9fr)' },
     { key: 'state', name: 'state', wide: 'minmax(6em, 1fr)' }
   ]
   const grid = '180px ' + columns.map(c => c.wide || 'minmax(4.5em, .7fr)').join(' ')

@@ -64,8 +64,9 @@ void read_run(const fs::path& file, CaseRow& row) {
     const std::vector<char> bytes = read_file(file, max_bytes);
     const Json json = Json::parse(bytes.begin(), bytes.end());
     for (const auto& w : json.at("warnings")) row.warnings.push_back(printable(w.get<std::string>()));
-    for (const Json& severity : json.value("severities", Json::array()))
-      row.wrong_count += severity == stages::to_text(stages::Severity::wrong);
+    row.severities = json.value("severities", std::vector<std::string>());
+    row.wrong_count =
+        std::size_t(std::count(row.severities.begin(), row.severities.end(), stages::to_text(stages::Severity::wrong)));
     row.seconds = json.at("wall_s").get<double>();
     row.peak_memory_mb = json.value("peak_memory_mb", 0.0);
     const Json stages = json.value("stages", Json::object());
@@ -254,6 +255,7 @@ void LibraryJson::add(const CaseRow& row) {
     json["seconds"] = row.seconds;
     if (row.last.cpu_s > 0) json["cpu_s"] = row.last.cpu_s;
     json["warnings"] = row.warnings;
+    json["severities"] = row.severities;
     json["age_s"] = std::max(0.0, row.age_s);
     json["version"] = row.manifest.program_version;
     json["input_sha256"] = row.manifest.input_sha256;
@@ -294,7 +296,9 @@ std::string case_text(const CaseRow& row) {
                        b.position_mm.y, b.position_mm.z, b.diameter_mm);
   for (const auto& [name, value] : m.figures)
     out += fmt::format("  {}: {}\n", printable(name), printable(to_text(value)));
-  for (const std::string& w : row.warnings) out += "  warning: " + printable(w) + "\n";
+  for (std::size_t i = 0; i < row.warnings.size(); ++i)
+    out += "  " + (i < row.severities.size() ? printable(row.severities[i]) : "warning") + ": " +
+           printable(row.warnings[i]) + "\n";
   return out;
 }
 

@@ -49,9 +49,10 @@ struct CaseRow {
   std::string patient_class;  ///< empty: not known
   std::uint64_t triangles = 0, bytes = 0;
   double deviation_max_mm = 0;
-  std::vector<std::string> warnings;  ///< of its last run, the gravest first
-  std::size_t wrong_count = 0;        ///< of them, those that speak against an anatomy
-  double seconds = 0;                 ///< of its last run
+  std::vector<std::string> warnings;    ///< of its last run, the gravest first
+  std::vector<std::string> severities;  ///< of each of them: "wrong", "look", "note"
+  std::size_t wrong_count = 0;          ///< of them, those that speak against an anatomy
+  double seconds = 0;                   ///< of its last run
   double peak_memory_mb = 0;
   std::vector<std::pair<std::string, double>> stage_seconds;  ///< of the stages that its last run computed, in order
   double age_s = 0;                                           ///< age of case.json

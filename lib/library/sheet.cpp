@@ -106,6 +106,7 @@ Json to_json(const fs::path& library, const CaseRow& row) {
     out["state"] = row.last.code == 0 ? "" : "last build failed with " + std::to_string(row.last.code);
   if (row.last.code != 0) out["fault"] = row.fault + (row.fault.empty() ? "" : "; ") + row.last.reason;
   out["warnings"] = row.warnings;
+  out["severities"] = row.severities;
   out["pictures"] = Json::array();
   for (const std::string& file : overview_pictures(library, row))
     out["pictures"].push_back(file.substr(row.token.size() + 1));

@@ -18,7 +18,7 @@ def many(count, like):
     rows = []
     for i in range(count):
         row = dict(like, case=f"head-{i * 7919 % count:05d}", triangles=10000 + i * 31 % 9973, deviation_mm=(i * 17 % 400) / 100,
-                   warnings=["a warning <b>"] if i % 7 == 0 else [], state="last build failed with 80" if i % 100 == 0 else "")
+                   warnings=["a warning <b>"] if i % 7 == 0 else [], severities=["wrong"] if i % 7 == 0 else [], state="last build failed with 80" if i % 100 == 0 else "")
         row["class"] = CLASSES[i % 4]
         rows.append(row)
     return rows
@@ -99,7 +99,8 @@ def main():
             check(told() == f"{count} of 10000 cases", f"{control}={value}: {told()}")
         set_to("find", "a warning")
         browser.js("document.querySelector('#all .row').click()")
-        check(browser.js("return [...document.querySelectorAll('#detail p')].map(p => p.textContent)")[-1:] == ["a warning <b>"], "a warning is shown word for word")
+        check(browser.js("return [...document.querySelectorAll('#detail p')].map(p => p.textContent)")[-1:] == ["wrong: a warning <b>"], "a warning is shown word for word, with its weight")
+        check("1 (1 wrong)" in cells("warned"), f"the row counts what is wrong: {cells('warned')[:3]}")
         kept = browser.js("return location.hash")
         check("find=a" in kept and "by=triangles" in kept and "down=1" in kept, f"the address keeps what is shown: {kept}")
         broken = library / "broken.html"
