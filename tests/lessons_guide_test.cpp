@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 
 #include "lessons_chest.h"
@@ -113,6 +114,20 @@ TEST(LessonsGuide, ACaseThatIsDrilledOnOneSideIsOfferedForThatSide) {
   hole.position_mm.x = -30;
   manifest.burr_holes.push_back(hole);
   EXPECT_EQ(sides(), "right left ");
+}
+
+TEST(LessonsGuide, ACaseWithoutAForamenIsAnsweredWithWhatIsNeeded) {
+  Head head(Kind::whole);
+  cases::CaseManifest manifest = head.felt().loaded.manifest;
+  const auto is_foramen = [](const auto& point) { return point.name.rfind("monro", 0) == 0; };
+  auto& targets = manifest.targets;
+  targets.erase(std::remove_if(targets.begin(), targets.end(), is_foramen), targets.end());
+  auto& marks = manifest.landmarks;
+  marks.erase(std::remove_if(marks.begin(), marks.end(), is_foramen), marks.end());
+  const lessons::LessonUse use = lessons::use_of(lessons::lesson_type("ventriculostomy"), manifest);
+  EXPECT_TRUE(use.tasks.empty());
+  EXPECT_NE(use.why_not.find("needs a foramen of Monro as its target: monro_right or monro_left"), std::string::npos)
+      << use.why_not;
 }
 
 TEST(LessonsGuide, TheTextHasAllOfItInEitherLanguage) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "base/error.h"
 #include "lessons/lesson_parts.h"
 #include "lessons/lesson_type.h"
 #include "lessons/report_pictures.h"
@@ -273,6 +274,9 @@ LessonType ventriculostomy_lesson() {
   m.require = [](const cases::CaseManifest& manifest) {
     head_shapes_of(manifest);
     head_frame_of(manifest);
+    if (!foramen_of(manifest, false) && !foramen_of(manifest, true))
+      throw Error(ExitCode::bad_input, "", "landmarks",
+                  "the lesson needs a foramen of Monro as its target: monro_right or monro_left, found or given");
   };
   m.tasks = tasks_of;
   m.tools = ventriculostomy_tools;
