@@ -106,10 +106,11 @@ ScanVerdict judge_scan(const ScanFigures& f, const ScanLimits& limits) {
   if (const Suitability s = above(f.slice_step_mm, limits.doubtful_slice_mm, limits.unsuited_slice_mm);
       s != Suitability::suited) {
     for (Suitability* of : {&out.brain, &out.ventricles, &out.skull}) worsen(*of, s);
-    give_reason(s, {"brain", "ventricles", "skull"},
-                {"slices_far_apart", "slices {step_mm:.1f} mm apart", {{"step_mm", f.slice_step_mm}}},
-                fmt::format("slices of {:.3g} mm", f.slice_step_mm),
-                "choose the series with slices of 1 mm (import --list shows all), or scan with such");
+    give_reason(
+        s, {"brain", "ventricles", "skull"},
+        {"slices_far_apart", "slices {step_mm:.1f} mm apart", {{"step_mm", f.slice_step_mm}}},
+        fmt::format("slices of {:.3g} mm", f.slice_step_mm),
+        "take the series of the thinnest slices that there is (import --list shows all), or scan with slices of 1 mm");
   }
   if (f.edge_mm > limits.doubtful_edge_mm) {
     worsen(out.skull, Suitability::doubtful);
