@@ -33,7 +33,7 @@ trap 'rm -rf "$work" "$home"' EXIT
 ln -s "$work" "$home/trephine"
 sed -n '/<!-- own -->/,/<!-- end -->/p' "$SOURCE/docs/tutorials/own-library.md" | sed -n '/^```sh$/,/^```$/p' | sed '/^```/d' >own.sh
 HOME=$home bash -euo pipefail own.sh >own.said 2>&1 || { cat own.said; fail "the library of one's own"; }
-[[ -s $home/patients/library/index.html ]] && grep -q 'skin.decimate.max_deviation_mm.*0\.3' own.said &&
+[[ -s $home/patients/library/index.html ]] && grep -q 'scene.anatomies.skin.max_triangles: 20000, was 90000' own.said &&
   grep -q '^1 of 1 cases would be built' own.said || { cat own.said; fail "what is stale is not said"; }
 expect 78 'root' "$TREPHINE" library build "$home/patients/LIBRARY.yaml" --out "$home/other"
 
