@@ -152,7 +152,8 @@ TEST(ScanVerdict, EveryLimitHasItsVerdictAndItsRemedy) {
     change(f);
     const mask::ScanVerdict v = mask::judge_scan(f, limits);
     for (const mask::ScanReason& r : v.reasons) {
-      EXPECT_NE(to_text(r.warning()).find("; choose"), std::string::npos) << r.verdict();
+      EXPECT_FALSE(r.remedy.empty()) << r.verdict();
+      EXPECT_NE(to_text(r.warning()).find("; " + r.remedy), std::string::npos) << r.verdict();
     }
     EXPECT_EQ(v.reasons.empty(), v.text() == "suited for brain, ventricles and skull");
     return v.text();
