@@ -61,6 +61,7 @@ S
 cat >"$FAKE/bin/squeue" <<'S'
 #!/usr/bin/env bash
 for word; do [[ $word != --name=* ]] || name=${word#*=}; done
+touch "$FAKE/asked"
 [[ ! -e $FAKE/silent ]] || { echo "slurm_load_jobs error: Unable to contact slurm controller (connect failure)" >&2; exit 1; }
 for job in "$FAKE"/jobs/*/; do
   [[ $(cat "$job/name") == "$name" ]] || continue
@@ -125,8 +126,9 @@ touch "$FAKE/silent"
 "$TREPHINE" library status "$work/out" --json status.json >said
 grep -q 'does not answer' said || fail "status: $(cat said)"
 rm "$FAKE/silent"
+rm "$FAKE/asked"
 build l.yaml --json built.json >said 2>&1 & builder=$!
-until [[ -s said ]] || ! kill -0 $builder 2>/dev/null; do sleep 0.05; done
+until [[ -e $FAKE/asked ]] || ! kill -0 $builder 2>/dev/null; do sleep 0.05; done
 rm "$FAKE/held"
 code=0
 wait $builder || code=$?
