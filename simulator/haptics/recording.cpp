@@ -204,7 +204,7 @@ const char* name_of(Seal seal) {
 void require_seal(const Recording& recording, const std::filesystem::path& file) {
   if (recording.seal != Seal::broken) return;
   throw refusal("seal_sha256", "is not of these bytes: the recording was changed after it was written",
-                {"take the file as it was recorded, or record again"})
+                {"take the file as it was recorded, or record again with `servo`, `lesson` or `play`"})
       .in_file(file.string());
 }
 
